@@ -1,0 +1,62 @@
+/// The pinhole camera with radial-tangential (Brown-Conrady) lens distortion, as in OpenCV.
+///
+/// Camera frame: x right, y down, z forward along the optical axis. A point (X, Y, Z) with Z > 0 projects to
+///   x = X/Z, y = Y/Z, r2 = x^2 + y^2
+///   x' = x (1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p1 x y + p2 (r2 + 2 x^2)
+///   y' = y (1 + k1 r2 + k2 r2^2 + k3 r2^3) + p1 (r2 + 2 y^2) + 2 p2 x y
+///   u = fx x' + cx, v = fy y' + cy,    the centre of the first pixel being (0, 0).
+
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "algorithms/core/pose.h"
+
+namespace gaitcam {
+
+struct CameraModel {
+  int width_px = 0;
+  int height_px = 0;
+  double fx = 0, fy = 0;                             ///< Focal lengths, px.
+  double cx = 0, cy = 0;                             ///< Principal point, px from the centre of the first pixel.
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;     ///< Distortion; all zero is an ideal pinhole.
+
+  /// An ideal pinhole with square pixels whose image spans `hfov_deg` from edge to edge.
+  static CameraModel FromHorizontalFov(int width_px, int height_px, double hfov_deg);
+
+  bool IsDistorted() const;
+  /// @returns pixel coordinates of a point in the camera frame, or nothing if it lies behind the camera (Z <= 0).
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& p_C) const;
+  /// @returns the point (x, y, 1) on the ray through a pixel; distortion is undone to 1e-12 by Newton's method.
+  Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel) const;
+  /// Distorted normalised coordinates of ideal ones.
+  Eigen::Vector2d Distort(const Eigen::Vector2d& ideal) const;
+  bool Contains(const Eigen::Vector2d& pixel) const;
+  Eigen::Matrix3d K() const;
+
+  /// @throws BadOption if the size or a focal length is not positive.
+  void Check() const;
+};
+
+/// IMU noise as data sheets state it; continuous-time densities and random walks.
+struct ImuCalibration {
+  double rate_hz = 0;                    ///< 0: there is no IMU.
+  double gyro_noise_density = 0;         ///< rad/s/sqrt(Hz)
+  double gyro_random_walk = 0;           ///< rad/s^2/sqrt(Hz)
+  double accel_noise_density = 0;        ///< m/s^2/sqrt(Hz)
+  double accel_random_walk = 0;          ///< m/s^3/sqrt(Hz)
+  Pose X_CI;                             ///< Maps points of the IMU frame into the (left) camera frame, neck at rest.
+};
+
+/// What a SLAM system is told about the sensors: everything that a calibration would yield, and nothing more.
+struct Calibration {
+  CameraModel camera;                    ///< Left, or the only one.
+  std::optional<CameraModel> right;      ///< Present for a stereo rig.
+  Pose X_LR;                             ///< Maps points of the right camera into the left one.
+  bool has_depth = false;
+  double frame_rate_hz = 0;
+  ImuCalibration imu;
+};
+
+}  // namespace gaitcam

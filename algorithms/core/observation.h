@@ -1,0 +1,41 @@
+/// What a SLAM system may see. There is no pose in it, ever: truth lives on the simulator's side.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/image.h"
+
+namespace gaitcam {
+
+/// One reading of an inertial measurement unit, in the IMU's own frame.
+struct ImuSample {
+  int64_t stamp_ns = 0;
+  Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();    ///< rad/s
+  Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();  ///< m/s^2; at rest it points up, against gravity.
+};
+
+/// One reading of all joint encoders and foot switches.
+struct JointSample {
+  int64_t stamp_ns = 0;
+  std::vector<double> position;      ///< rad (m for sliding joints), in the order of the robot's joints.
+  bool left_contact = false;         ///< The left foot's switch is closed.
+  bool right_contact = false;
+};
+
+/// One frame and everything sensed since the frame before it.
+struct Observation {
+  int64_t stamp_ns = 0;              ///< Middle of the exposure.
+  double exposure_ms = 0;            ///< Shutter open to close.
+  Image image;                       ///< Left camera, or the only one: CV_8UC1 or CV_8UC3 (BGR).
+  std::optional<Image> right;        ///< Stereo rigs only.
+  std::optional<Image> depth;        ///< RGB-D rigs only, CV_32FC1, metres.
+  std::vector<ImuSample> imu;        ///< In time order, after the previous frame's last, up to this shutter's close.
+  std::vector<JointSample> joints;   ///< Likewise. Empty when read from a dataset that has none.
+};
+
+}  // namespace gaitcam

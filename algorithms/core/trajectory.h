@@ -1,0 +1,25 @@
+/// A path through space: stamped poses in time order.
+
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/pose.h"
+
+namespace gaitcam {
+
+/// Poses X_WC, stamps strictly increasing.
+using Trajectory = std::vector<StampedPose>;
+
+/// Sum of the distances between successive positions, m.
+double PathLength(const Trajectory& trajectory);
+
+/// @returns the pose at `stamp_ns` by interpolation, or nothing outside the trajectory's span.
+std::optional<Pose> PoseAt(const Trajectory& trajectory, int64_t stamp_ns);
+
+/// @throws BadInput naming `what` and the first entry whose stamp does not increase.
+void CheckStampsIncrease(const Trajectory& trajectory, const std::string& what);
+
+}  // namespace gaitcam

@@ -1,0 +1,52 @@
+/// The one interface of a SLAM system, and the registry of names.
+
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/camera.h"
+#include "algorithms/core/estimate.h"
+#include "algorithms/core/observation.h"
+
+namespace gaitcam {
+
+/// Numbers a user may set for a system by name (`system: {name: sift_vo, ratio: 0.8}`).
+using SystemSettings = std::map<std::string, double>;
+
+/// What a system is built from. No truth, no initial pose, no scale: those are the scorer's business.
+struct SystemSetup {
+  Calibration calibration;
+  uint64_t seed = 1;          ///< All randomness of the system derives from it.
+  SystemSettings settings;    ///< Checked by the system: unknown names and bad values throw BadOption.
+};
+
+/// A SLAM system or odometry: frames in, poses out, in order. Deterministic: the same setup and observations give the
+/// same bits, whatever the machine's load.
+class System {
+ public:
+  virtual ~System() = default;
+  /// Answers one frame; observations come with increasing stamps.
+  virtual FrameEstimate Track(const Observation& observation) = 0;
+  /// Called once after the last frame: a system that refined its past (loop closure) returns its final word on all
+  /// frames; an odometry returns nothing.
+  virtual std::vector<FrameEstimate> Finish() { return {}; }
+};
+
+struct SystemInfo {
+  std::string name;
+  std::string description;                    ///< One line for `gaitcam list`.
+  std::map<std::string, double> defaults;     ///< Its settings and their default values.
+};
+
+/// Names of all systems, sorted.
+std::vector<SystemInfo> ListSystems();
+
+/// @throws BadInput naming the unknown system and the nearest known one, or an unknown setting; BadOption for a value.
+std::unique_ptr<System> MakeSystem(const std::string& name, const SystemSetup& setup);
+
+}  // namespace gaitcam
