@@ -83,7 +83,7 @@ TEST(YamlFields, CommandLineValuesReplaceAndAreNamedInErrors) {
   EXPECT_EQ(outer.count, 4);
   EXPECT_EQ(outer.points.size(), 1u);
   EXPECT_EQ(ErrorOf("", {"inner.period_s=9"}),
-            "--set inner.period_s=9: inner.period_s: 9 is not permitted; expected a number from 0.1 to 3");
+            "--set inner.period_s=9: 9 is not permitted; expected a number from 0.1 to 3");
   EXPECT_THAT(ErrorOf("", {"iner.period_s=1"}), testing::HasSubstr("did you mean inner?"));
   EXPECT_THAT(ErrorOf("", {"count"}), testing::HasSubstr("expected key=value"));
   EXPECT_THAT(ErrorOf("count: 3", {"count.x=1"}), testing::HasSubstr("count is not a map"));
