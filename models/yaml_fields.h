@@ -40,7 +40,8 @@ class YamlNode {
 
   /// "file:line:column: key: message", or "--set key=value: message" for a value given on the command line.
   [[noreturn]] void Fail(const std::string& message) const;
-  /// @throws BadInput naming the first key of this map that is not in `known`, and the nearest one that is; or a key twice.
+  /// @throws BadInput naming the first key of this map that is not in `known`, and the nearest one that is; or a key
+  /// twice.
   void RejectUnknownKeys(const std::vector<std::string>& known) const;
 
  private:

@@ -6,7 +6,8 @@
 
 namespace gaitcam {
 
-/// The folder that holds `models` and `scenarios`: $GAITCAM_DATA, else share/gaitcam of the installation, else the sources.
+/// The folder that holds `models` and `scenarios`: $GAITCAM_DATA, else share/gaitcam of the installation, else the
+/// sources.
 /// @throws MissingResource if none of them is there.
 std::filesystem::path DataFolder();
 

@@ -18,9 +18,9 @@ namespace gaitcam {
 struct CameraModel {
   int width_px = 0;
   int height_px = 0;
-  double fx = 0, fy = 0;                             ///< Focal lengths, px.
-  double cx = 0, cy = 0;                             ///< Principal point, px from the centre of the first pixel.
-  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;     ///< Distortion; all zero is an ideal pinhole.
+  double fx = 0, fy = 0;                          ///< Focal lengths, px.
+  double cx = 0, cy = 0;                          ///< Principal point, px from the centre of the first pixel.
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;  ///< Distortion; all zero is an ideal pinhole.
 
   /// An ideal pinhole with square pixels whose image spans `hfov_deg` from edge to edge.
   static CameraModel FromHorizontalFov(int width_px, int height_px, double hfov_deg);
@@ -41,19 +41,19 @@ struct CameraModel {
 
 /// IMU noise as data sheets state it; continuous-time densities and random walks.
 struct ImuCalibration {
-  double rate_hz = 0;                    ///< 0: there is no IMU.
-  double gyro_noise_density = 0;         ///< rad/s/sqrt(Hz)
-  double gyro_random_walk = 0;           ///< rad/s^2/sqrt(Hz)
-  double accel_noise_density = 0;        ///< m/s^2/sqrt(Hz)
-  double accel_random_walk = 0;          ///< m/s^3/sqrt(Hz)
-  Pose X_CI;                             ///< Maps points of the IMU frame into the (left) camera frame, neck at rest.
+  double rate_hz = 0;              ///< 0: there is no IMU.
+  double gyro_noise_density = 0;   ///< rad/s/sqrt(Hz)
+  double gyro_random_walk = 0;     ///< rad/s^2/sqrt(Hz)
+  double accel_noise_density = 0;  ///< m/s^2/sqrt(Hz)
+  double accel_random_walk = 0;    ///< m/s^3/sqrt(Hz)
+  Pose X_CI;                       ///< Maps points of the IMU frame into the (left) camera frame, neck at rest.
 };
 
 /// What a SLAM system is told about the sensors: everything that a calibration would yield, and nothing more.
 struct Calibration {
-  CameraModel camera;                    ///< Left, or the only one.
-  std::optional<CameraModel> right;      ///< Present for a stereo rig.
-  Pose X_LR;                             ///< Maps points of the right camera into the left one.
+  CameraModel camera;                ///< Left, or the only one.
+  std::optional<CameraModel> right;  ///< Present for a stereo rig.
+  Pose X_LR;                         ///< Maps points of the right camera into the left one.
   bool has_depth = false;
   double frame_rate_hz = 0;
   ImuCalibration imu;

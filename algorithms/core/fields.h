@@ -57,7 +57,9 @@ struct Nested {};
 
 /// A struct announces that it has VisitFields by `using DescribedTag = void;`.
 template <class T>
-concept Described = requires { typename T::DescribedTag; };
+concept Described = requires {
+  typename T::DescribedTag;
+};
 
 namespace internal {
 
@@ -70,7 +72,7 @@ class RangeChecker {
   explicit RangeChecker(std::string prefix) : prefix_(std::move(prefix)) {}
 
   template <class Number>
-    requires std::is_arithmetic_v<Number>
+  requires std::is_arithmetic_v<Number>
   void operator()(std::string_view key, Number& value, const Interval& limits, std::string_view) {
     if (!limits.Contains(double(value))) ThrowOutOfRange(Name(key), NumberText(double(value)), limits.ToText());
   }

@@ -22,20 +22,20 @@ struct ImuSample {
 /// One reading of all joint encoders and foot switches.
 struct JointSample {
   int64_t stamp_ns = 0;
-  std::vector<double> position;      ///< rad (m for sliding joints), in the order of the robot's joints.
-  bool left_contact = false;         ///< The left foot's switch is closed.
+  std::vector<double> position;  ///< rad (m for sliding joints), in the order of the robot's joints.
+  bool left_contact = false;     ///< The left foot's switch is closed.
   bool right_contact = false;
 };
 
 /// One frame and everything sensed since the frame before it.
 struct Observation {
-  int64_t stamp_ns = 0;              ///< Middle of the exposure.
-  double exposure_ms = 0;            ///< Shutter open to close.
-  Image image;                       ///< Left camera, or the only one: CV_8UC1 or CV_8UC3 (BGR).
-  std::optional<Image> right;        ///< Stereo rigs only.
-  std::optional<Image> depth;        ///< RGB-D rigs only, CV_32FC1, metres.
-  std::vector<ImuSample> imu;        ///< In time order, after the previous frame's last, up to this shutter's close.
-  std::vector<JointSample> joints;   ///< Likewise. Empty when read from a dataset that has none.
+  int64_t stamp_ns = 0;             ///< Middle of the exposure.
+  double exposure_ms = 0;           ///< Shutter open to close.
+  Image image;                      ///< Left camera, or the only one: CV_8UC1 or CV_8UC3 (BGR).
+  std::optional<Image> right;       ///< Stereo rigs only.
+  std::optional<Image> depth;       ///< RGB-D rigs only, CV_32FC1, metres.
+  std::vector<ImuSample> imu;       ///< In time order, after the previous frame's last, up to this shutter's close.
+  std::vector<JointSample> joints;  ///< Likewise. Empty when read from a dataset that has none.
 };
 
 }  // namespace gaitcam

@@ -15,7 +15,8 @@ struct Pose {
 
   Pose() = default;
   Pose(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) : rotation(q.normalized()), translation(t) {}
-  Pose(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) : rotation(Eigen::Quaterniond(R).normalized()), translation(t) {}
+  Pose(const Eigen::Matrix3d& R, const Eigen::Vector3d& t)
+      : rotation(Eigen::Quaterniond(R).normalized()), translation(t) {}
 
   Pose Inverse() const;
   Eigen::Matrix3d R() const { return rotation.toRotationMatrix(); }

@@ -14,8 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 using Folders = std::set<std::string>;
 
-const Folders kAlgorithmsButIo = {"algorithms/core",     "algorithms/features", "algorithms/geometry",
-                                  "algorithms/odometry", "algorithms/planes",   "algorithms/places",
+const Folders kAlgorithmsButIo = {"algorithms/core",      "algorithms/features", "algorithms/geometry",
+                                  "algorithms/odometry",  "algorithms/planes",   "algorithms/places",
                                   "algorithms/estimation"};
 
 Folders With(Folders folders, const std::string& more) {
@@ -37,7 +37,8 @@ const std::map<std::string, Folders> kArrows = {
     {"models", {"algorithms/core"}},
     {"sim", {"algorithms/core", "models"}},
     {"results", {"algorithms/core"}},
-    {"scenarios", With(With(With(With(With(kAlgorithmsButIo, "algorithms/io"), "algorithms/slam"), "models"), "sim"), "results")},
+    {"scenarios",
+     With(With(With(With(With(kAlgorithmsButIo, "algorithms/io"), "algorithms/slam"), "models"), "sim"), "results")},
 };
 
 // Third-party headers that only these folders may see.
@@ -80,12 +81,13 @@ TEST(Layering, EveryIncludeFollowsAnArrowOfTheHouse) {
   const std::vector<Include> includes = AllIncludes(root);
   ASSERT_GT(includes.size(), 100u) << "the walk over the sources found next to nothing";
   for (const Include& include : includes) {
-    ASSERT_TRUE(kArrows.count(include.from_folder)) << include.from_file << " lies in a folder that the house has no room for";
+    ASSERT_TRUE(kArrows.count(include.from_folder))
+        << include.from_file << " lies in a folder that the house has no room for";
     if (!fs::exists(root / include.target)) continue;  // a library's header
     const std::string to = FolderOf(include.target);
     if (to == include.from_folder) continue;
-    EXPECT_TRUE(kArrows.at(include.from_folder).count(to))
-        << include.from_file << " includes " << include.target << ", but " << include.from_folder << " may not see " << to;
+    EXPECT_TRUE(kArrows.at(include.from_folder).count(to)) << include.from_file << " includes " << include.target
+                                                           << ", but " << include.from_folder << " may not see " << to;
   }
 }
 
@@ -112,7 +114,8 @@ TEST(Layering, AnObservationHasNoRoomForAPose) {
 
 TEST(Layering, NoAlgorithmReadsTheClockOrLeavesTheProgram) {
   // rand, exit, usleep and wall clocks would make an estimate depend on something other than seed and input.
-  const std::regex forbidden(R"(\b(std::)?(s?rand|exit|abort|usleep|sleep_for|system_clock|steady_clock|random_device)\s*(\(|::))");
+  const std::regex forbidden(
+      R"(\b(std::)?(s?rand|exit|abort|usleep|sleep_for|system_clock|steady_clock|random_device)\s*(\(|::))");
   for (const auto& entry : fs::recursive_directory_iterator(fs::path(GAITCAM_SOURCE_DIR) / "algorithms")) {
     if (!entry.is_regular_file()) continue;
     std::ifstream stream(entry.path());

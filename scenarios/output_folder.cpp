@@ -1,0 +1,68 @@
+#include "scenarios/output_folder.h"
+
+#include <unistd.h>
+
+#include <fstream>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path TemporaryNameFor(const fs::path& wanted) {
+  return wanted.parent_path() / ("." + wanted.filename().string() + ".part-" + std::to_string(getpid()));
+}
+
+fs::path Clean(const fs::path& path) {
+  const fs::path absolute = fs::absolute(path).lexically_normal();
+  return absolute.has_filename() ? absolute : absolute.parent_path();
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(fs::path wanted, std::string marker)
+    : wanted_(Clean(wanted)), temporary_(TemporaryNameFor(wanted_)) {
+  if (fs::exists(wanted_) && !(fs::is_directory(wanted_) && (fs::is_empty(wanted_) || fs::exists(wanted_ / marker)))) {
+    throw BadInput("--out " + wanted_.string() + ": exists and holds something else (no " + marker +
+                   " in it); name another folder or remove it");
+  }
+  std::error_code error;
+  fs::remove_all(temporary_, error);
+  if (!fs::create_directories(temporary_, error) || error) {
+    throw MissingResource("cannot create the folder " + temporary_.string() + ": " + error.message());
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  if (!committed_) fs::remove_all(temporary_, ignored);
+}
+
+void OutputFolder::WriteText(const std::string& name, const std::string& text) const {
+  WriteTextFile(temporary_ / name, text);
+}
+
+void OutputFolder::Commit() {
+  std::error_code error;
+  const fs::path aside = temporary_.string() + ".old";
+  if (fs::exists(wanted_)) fs::rename(wanted_, aside, error);
+  if (!error) fs::rename(temporary_, wanted_, error);
+  if (error) throw MissingResource("cannot move the results to " + wanted_.string() + ": " + error.message());
+  committed_ = true;
+  fs::remove_all(aside, error);
+}
+
+void WriteTextFile(const fs::path& file, const std::string& text) {
+  const fs::path temporary = TemporaryNameFor(fs::absolute(file));
+  std::ofstream stream(temporary, std::ios::binary);
+  stream << text;
+  stream.close();
+  std::error_code error;
+  if (stream) fs::rename(temporary, file, error);
+  if (stream && !error) return;
+  fs::remove(temporary, error);
+  throw MissingResource("cannot write " + file.string() + " (disk full, or no permission)");
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,35 @@
+/// A folder of results that appears whole or not at all.
+
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace gaitcam {
+
+/// Collects files under a temporary name beside the wanted one; Commit() renames it. What was not committed is removed.
+class OutputFolder {
+ public:
+  /// @param marker a file that every folder of this kind holds: an older folder is replaced only if it has it.
+  /// @throws BadInput if `wanted` exists and is something else; MissingResource if it cannot be written.
+  OutputFolder(std::filesystem::path wanted, std::string marker);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// Where to write until Commit().
+  const std::filesystem::path& path() const { return temporary_; }
+  /// @throws MissingResource if the file cannot be written whole.
+  void WriteText(const std::string& name, const std::string& text) const;
+  /// Gives the folder its name, in place of an older one.
+  void Commit();
+
+ private:
+  const std::filesystem::path wanted_, temporary_;
+  bool committed_ = false;
+};
+
+/// Writes a whole file under a temporary name, then renames it. @throws MissingResource.
+void WriteTextFile(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace gaitcam
