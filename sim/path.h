@@ -1,0 +1,123 @@
+/// Where a robot is asked to go: a chain of straight lines, arcs and turns on the spot on the floor.
+///
+/// A path is geometry alone; how fast it is followed, and by what feedback, is the business of who follows it.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/fields.h"
+#include "algorithms/core/pose.h"
+
+namespace gaitcam {
+
+struct PathOptions {
+  using DescribedTag = void;
+
+  std::string kind = "straight";        ///< straight, circle, polyline, there_and_back, square or stand.
+  double length_m = 5.0;                ///< Of a straight; of each way of there_and_back.
+  double diameter_m = 4.0;              ///< Of a circle.
+  double side_m = 2.0;                  ///< Of a square.
+  std::vector<Eigen::Vector2d> points;  ///< Corners of a polyline, m in the start frame; the start (0, 0) is implied.
+  std::string direction = "left";       ///< Sense of circle, square and of the turn of there_and_back.
+  int laps = 1;                         ///< Rounds of a circle or square.
+  double duration_s = 10.0;             ///< Of standing.
+  double pan_amplitude_rad = 0.5;       ///< Standing: the neck pans as a sine of this amplitude.
+  double pan_period_s = 4.0;
+  double head_tilt_rad = 0.1;      ///< Constant; positive looks down.
+  std::string feedback = "truth";  ///< What steers: "truth", the robot's own "odometry", or "none" (open loop).
+  double settle_s = 1.0;           ///< Standing still before the first and after the last step.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, PathOptions& o) {
+  visit("kind", o.kind, OneOf({"straight", "circle", "polyline", "there_and_back", "square", "stand"}), "shape");
+  visit("length_m", o.length_m, Between(0.05, 1000.0), "of a straight, or of each way of there_and_back");
+  visit("diameter_m", o.diameter_m, Between(0.2, 200.0), "of a circle");
+  visit("side_m", o.side_m, Between(0.1, 200.0), "of a square");
+  visit("points", o.points, Nested(), "corners of a polyline as [x, y], m in the start frame");
+  visit("direction", o.direction, OneOf({"left", "right"}), "sense of circle, square and turning back");
+  visit("laps", o.laps, Between(1, 1000), "rounds of a circle or square");
+  visit("duration_s", o.duration_s, Between(0.1, 3600.0), "of standing");
+  visit("pan_amplitude_rad", o.pan_amplitude_rad, Between(0.0, 1.5), "of the neck's sine while standing");
+  visit("pan_period_s", o.pan_period_s, Between(0.2, 60.0), "of the neck's sine while standing");
+  visit("head_tilt_rad", o.head_tilt_rad, Between(-1.0, 1.0), "constant tilt of the head; positive looks down");
+  visit("feedback", o.feedback, OneOf({"truth", "odometry", "none"}), "what corrects the robot's course");
+  visit("settle_s", o.settle_s, Between(0.2, 60.0), "standing still before the first and after the last step");
+}
+
+/// A pose on the floor: position in m and heading in rad (not wrapped: a full circle ends at 2 pi).
+struct PlanarPose {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double heading = 0;
+
+  PlanarPose() = default;
+  PlanarPose(const Eigen::Vector2d& p, double h) : position(p), heading(h) {}
+  /// Drops height, roll and pitch.
+  explicit PlanarPose(const Pose& pose) : position(pose.translation.head<2>()), heading(pose.Yaw()) {}
+
+  PlanarPose Inverse() const;
+  /// The rigid motion as a 3D pose at height `z`.
+  Pose Lifted(double z) const;
+};
+
+PlanarPose operator*(const PlanarPose& X_AB, const PlanarPose& X_BC);
+Eigen::Vector2d operator*(const PlanarPose& X_AB, const Eigen::Vector2d& p_B);
+
+/// A piece of constant curvature; with length 0, a turn on the spot.
+struct PathSegment {
+  PlanarPose start;
+  double length_m = 0;
+  double turn_rad = 0;  ///< Change of heading over the segment, positive to the left.
+
+  bool IsTurnOnTheSpot() const { return length_m == 0; }
+  double Curvature() const { return IsTurnOnTheSpot() ? 0 : turn_rad / length_m; }  ///< 1/m
+  PlanarPose At(double s) const;  ///< `s` in m from the segment's start, also beyond its ends.
+  PlanarPose end() const;
+
+  /// How far along the segment the point nearest to `p` lies (m; may be negative or beyond the length), and how far `p`
+  /// lies to the left of it (m). @pre not a turn on the spot. For an arc, `along` is the branch nearest to `near_s`.
+  struct Location {
+    double along = 0, left = 0;
+  };
+  Location Locate(const Eigen::Vector2d& p, double near_s) const;
+};
+
+class Path {
+ public:
+  /// @param start where the robot stands at first, x forward; height, roll and pitch are ignored.
+  /// @throws BadOption for a polyline without points or with two equal neighbours, and for fields out of range.
+  Path(const PathOptions& options, const Pose& start);
+
+  const std::vector<PathSegment>& segments() const { return segments_; }  ///< Empty for standing.
+  PlanarPose start() const { return start_; }
+  PlanarPose goal() const { return segments_.empty() ? start_ : segments_.back().end(); }
+
+  /// Way on the floor, m; turns on the spot add nothing.
+  double Length() const;
+  /// Sum of the absolute turns, rad.
+  double TotalTurn() const;
+  /// Reference pose after `s` m, in [0, Length()]; at a corner, the pose before the turn.
+  PlanarPose PoseAt(double s) const;
+
+  /// The same for one who drives at constant speeds: m/s along the way, rad/s where it turns on the spot.
+  double Duration(double speed, double turn_rate) const;
+  PlanarPose PoseAtTime(double t, double speed, double turn_rate) const;
+
+  /// Distance from `p` to the nearest point of the path, m.
+  double DistanceTo(const Eigen::Vector2d& p) const;
+
+ private:
+  void AddLine(double length_m);
+  void AddArc(double radius_m, double turn_rad);
+  void AddTurn(double turn_rad);
+  void AddPolyline(const std::vector<Eigen::Vector2d>& points);
+  void Add(double length_m, double turn_rad);
+
+  PlanarPose start_;
+  std::vector<PathSegment> segments_;
+};
+
+}  // namespace gaitcam
