@@ -15,6 +15,11 @@
 namespace gaitcam {
 
 /// Something flat or box-shaped with a texture on it, in world coordinates.
+///
+/// A texture shows on all six faces. On the side faces the image's up is the box's +z; on the two z faces it is +y. Seen
+/// from outside, right is up x outward normal, so nothing is mirrored: on the +z face right is +x. With a
+/// `texture_size_m` the image repeats from the face's lower left corner. Flat things (walls, posters, cards) have their
+/// thin axis as z, pointing out of the picture, so that their picture is also the projection along z.
 struct PlaceBox {
   std::string name;
   Pose X_WB;                                        ///< Box frame in the world.
@@ -44,7 +49,8 @@ struct Place {
   std::filesystem::path file;
   Eigen::Vector2d floor_min{-3, -3}, floor_max{3, 3};  ///< The textured floor's extent, m.
   int floor_texture = -1;
-  Eigen::Vector2d floor_texture_size_m{1, 1};       ///< One repeat; the texture's row 0 lies towards +y, column 0 at min x.
+  Eigen::Vector2d floor_texture_size_m{1, 1};       ///< One repeat; the texture's row 0 lies towards +y. Its lower left
+                                                    ///< corner lies at floor_min.
   double floor_friction = 0.8;
   std::vector<PlaceTexture> textures;
   std::vector<PlaceBox> boxes;                      ///< Walls, posters, furniture, table tops, lines, goals.
