@@ -1,0 +1,142 @@
+#include "scenarios/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "algorithms/core/errors.h"
+#include "scenarios/commands.h"
+
+namespace gaitcam {
+namespace {
+
+void AddScenario(CLI::App& verb, ScenarioArguments& arguments) {
+  verb.add_option("scenario", arguments.file, "scenario file (YAML)")->required();
+  verb.add_option("--set", arguments.sets, "set any key of the scenario, e.g. gait.period_s=0.3 (repeatable)")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  verb.add_option("--seed", arguments.seed, "seed of all randomness (default: the scenario's)");
+  verb.add_option("--system", arguments.system, "SLAM system (default: the scenario's)");
+}
+
+/// Everything that the words of one call are read into.
+struct Arguments {
+  CommonOptions common;
+  RunArguments run;
+  RecordArguments record;
+  TrackArguments track;
+  ScoreArguments score;
+  ScenarioArguments validate;
+};
+
+void AddRun(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("run", "walk, film, track, score, report");
+  AddScenario(*verb, a.run.scenario);
+  verb->add_option("--out", a.run.out, "folder of the results (default: runs/NAME-SYSTEM-seedN)");
+  verb->footer(
+      "Examples:\n"
+      "  gaitcam run scenarios/quickstart.yaml\n"
+      "  gaitcam run scenarios/quickstart.yaml --seed 7 --set gait.preset=brisk --set camera.exposure_ms=33\n"
+      "  gaitcam run my.yaml --set robot=my_robot.yaml --out runs/mine --json");
+}
+
+void AddRecord(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("record", "walk and film into a dataset folder, with ground truth beside it");
+  AddScenario(*verb, a.record.scenario);
+  verb->add_option("--format", a.record.format, "layout: tum (RGB-D) or euroc (ASL)")
+      ->check(CLI::IsMember({"tum", "euroc"}))
+      ->capture_default_str();
+  verb->add_option("--out", a.record.out, "folder to write (default: datasets/NAME-seedN)");
+  verb->add_flag("--truth-inside", a.record.truth_inside, "also put the ground truth inside the dataset folder");
+  verb->footer(
+      "Examples:\n"
+      "  gaitcam record scenarios/quickstart.yaml --format tum --out datasets/walk\n"
+      "  gaitcam record scenarios/quickstart.yaml --format euroc --set camera.stereo.baseline_m=0.06");
+}
+
+void AddTrack(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("track", "run a SLAM system on a dataset folder, ours or anybody's");
+  verb->add_option("dataset", a.track.dataset, "folder in TUM RGB-D or EuRoC ASL layout")->required();
+  verb->add_option("--system", a.track.system, "see `gaitcam list`")->capture_default_str();
+  verb->add_option("--set", a.track.sets, "setting of the system, e.g. ratio=0.7 (repeatable)")
+      ->allow_extra_args(false)
+      ->type_name("NAME=NUMBER");
+  verb->add_option("--seed", a.track.seed, "seed of the system's randomness")->capture_default_str();
+  verb->add_option("--out", a.track.out, "trajectory file to write, TUM format (default: estimate-SYSTEM.txt)");
+  verb->footer("Example:\n  gaitcam track datasets/walk --system sift_vo --out estimate.txt");
+}
+
+void AddScore(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("score", "score one trajectory file against another (TUM, KITTI or EuRoC)");
+  verb->add_option("estimate", a.score.estimate, "trajectory file")->required();
+  verb->add_option("truth", a.score.truth, "trajectory file")->required();
+  verb->add_option("--tolerance", a.score.tolerance_s, "largest time between associated stamps, s")
+      ->capture_default_str();
+  verb->add_option("--association", a.score.association, "one_to_one, or nearest as evo does it")
+      ->check(CLI::IsMember({"one_to_one", "nearest"}))
+      ->capture_default_str();
+  verb->add_option("--out", a.score.out, "write the scores to this JSON file");
+  verb->footer("Example:\n  gaitcam score estimate.txt groundtruth.txt");
+}
+
+/// The verb that was chosen, carried out.
+int Dispatch(const CLI::App& app, Arguments& a) {
+  if (app.got_subcommand("run")) return RunCommand(a.run, a.common);
+  if (app.got_subcommand("record")) return RecordCommand(a.record, a.common);
+  if (app.got_subcommand("track")) return TrackCommand(a.track, a.common);
+  if (app.got_subcommand("score")) return ScoreCommand(a.score, a.common);
+  if (app.got_subcommand("validate")) return ValidateCommand(a.validate, a.common);
+  if (app.got_subcommand("list")) return ListCommand(a.common);
+  return DoctorCommand(a.common);
+}
+
+int Fail(int code, const std::string& line) {
+  std::fprintf(stderr, "gaitcam: %s\n", line.c_str());
+  return code;
+}
+
+}  // namespace
+
+int CommandLine(int argc, char** argv) {
+  Arguments a;
+  CLI::App app("gaitcam makes a humanoid walk, films the walk with a real exposure, runs visual SLAM on it and scores it.",
+               "gaitcam");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", GAITCAM_VERSION);
+  app.fallthrough();
+  app.add_flag("-q,--quiet", a.common.quiet, "no progress, no prose");
+  app.add_flag("--json", a.common.json, "the result as JSON on standard output");
+  AddRun(app, a);
+  AddRecord(app, a);
+  AddTrack(app, a);
+  AddScore(app, a);
+  CLI::App* validate = app.add_subcommand("validate", "read a scenario as run would, and say what is wrong");
+  AddScenario(*validate, a.validate);
+  validate->footer("Example:\n  gaitcam validate scenarios/quickstart.yaml --set gait.step_length_m=0.2");
+  app.add_subcommand("list", "name robots, gaits, places and systems");
+  app.add_subcommand("doctor", "print versions, the EGL device, and what is missing");
+  app.footer(
+      "Examples:\n"
+      "  gaitcam run scenarios/quickstart.yaml\n"
+      "  gaitcam record scenarios/quickstart.yaml --format euroc --out datasets/walk\n"
+      "Exit codes: 0 done; 2 bad input; 3 too little covered to score; 4 the machine lacks something.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    return app.exit(e);  // --help, --version
+  } catch (const CLI::ParseError& e) {
+    return Fail(2, std::string(e.what()) + "; see gaitcam --help");
+  }
+  try {
+    return Dispatch(app, a);
+  } catch (const BadInput& e) {
+    return Fail(2, e.what());
+  } catch (const TooLittleData& e) {
+    return Fail(3, e.what());
+  } catch (const MissingResource& e) {
+    return Fail(4, e.what());
+  } catch (const std::exception& e) {
+    return Fail(70, std::string("internal error, please report it: ") + e.what());
+  }
+}
+
+}  // namespace gaitcam

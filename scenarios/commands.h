@@ -1,0 +1,64 @@
+/// The verbs. Each does its whole job and returns the exit code; bad input is thrown (see algorithms/core/errors.h).
+
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gaitcam {
+
+/// Options that every verb shares.
+struct CommonOptions {
+  bool quiet = false;  ///< No progress and no prose.
+  bool json = false;   ///< The result as JSON on standard output, and nothing else there.
+};
+
+/// Which scenario, and what differs from its file.
+struct ScenarioArguments {
+  std::filesystem::path file;
+  std::vector<std::string> sets;      ///< key=value, applied in order.
+  std::optional<uint64_t> seed;
+  std::optional<std::string> system;
+
+  /// `--seed` and `--system` as assignments, after the others.
+  std::vector<std::string> Assignments() const;
+};
+
+struct RunArguments {
+  ScenarioArguments scenario;
+  std::filesystem::path out;          ///< Empty: runs/NAME-SYSTEM-seedN.
+};
+int RunCommand(const RunArguments& arguments, const CommonOptions& common);
+
+struct RecordArguments {
+  ScenarioArguments scenario;
+  std::string format = "tum";
+  std::filesystem::path out;          ///< Empty: datasets/NAME-seedN.
+  bool truth_inside = false;          ///< Also put the truth where the layout's own tools look for it.
+};
+int RecordCommand(const RecordArguments& arguments, const CommonOptions& common);
+
+struct TrackArguments {
+  std::filesystem::path dataset;
+  std::string system = "sift_vo";
+  std::vector<std::string> sets;      ///< name=number, settings of the system.
+  uint64_t seed = 1;
+  std::filesystem::path out;          ///< Trajectory file (TUM); empty: estimate-SYSTEM.txt in the working folder.
+};
+int TrackCommand(const TrackArguments& arguments, const CommonOptions& common);
+
+struct ScoreArguments {
+  std::filesystem::path estimate, truth;
+  double tolerance_s = 0.01;
+  std::string association = "one_to_one";
+  std::filesystem::path out;          ///< scores.json; empty: none.
+};
+int ScoreCommand(const ScoreArguments& arguments, const CommonOptions& common);
+
+int ValidateCommand(const ScenarioArguments& scenario, const CommonOptions& common);
+int ListCommand(const CommonOptions& common);
+int DoctorCommand(const CommonOptions& common);
+
+}  // namespace gaitcam

@@ -1,0 +1,98 @@
+/// A robot walks through a place and its sensors see it: physics, control, cameras and sensors on one clock.
+
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "algorithms/core/observation.h"
+#include "sim/camera_rig.h"
+#include "sim/controller.h"
+#include "sim/omni_drive.h"
+#include "sim/path.h"
+#include "sim/renderer.h"
+#include "sim/sensors.h"
+#include "sim/world.h"
+
+namespace gaitcam {
+
+struct SimulationOptions {
+  GaitOptions gait;
+  PathOptions path;
+  PhysicsOptions physics;
+  OmniDriveOptions drive;
+  CameraOptions camera;
+  SensorOptions sensors;
+  double duration_s = 0;                 ///< 0: until the path ends.
+  std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg.
+  TruthOptions truth;
+};
+
+/// What is true at one frame; never shown to an estimator.
+struct FrameTruth {
+  int64_t stamp_ns = 0;
+  ExposureTruth camera;                  ///< Of the left camera, or the only one.
+  Pose X_WB;                             ///< The robot's root.
+  GaitState gait;
+  bool left_contact = false, right_contact = false;
+};
+
+struct SimulatedFrame {
+  Observation observation;
+  FrameTruth truth;
+};
+
+enum class SimulationStatus {
+  kWalking,
+  kFinished,  ///< The path or the time ended with the robot on its feet.
+  kFell,
+};
+
+/// Not thread-safe: create, use and destroy on one thread (the GL context belongs to it).
+class Simulation {
+ public:
+  /// @throws BadInput if the robot cannot do what the gait or path asks; MissingResource if there is no EGL device.
+  Simulation(const Robot& robot, const gaitcam::Place& place, const SimulationOptions& options, uint64_t seed);
+  ~Simulation();
+
+  /// What a calibration of the rig would tell a SLAM system.
+  const Calibration& calibration() const { return calibration_; }
+  const EglContext& gl() const { return gl_; }
+
+  /// Walks on to the end of the next exposure. @returns nothing when the run is over: see status().
+  std::optional<SimulatedFrame> Next();
+
+  SimulationStatus status() const { return status_; }
+  /// Seconds from the start at which the robot fell, or the run ended.
+  double end_time_s() const { return end_time_s_; }
+  /// Frames expected until the time or the path ends; an estimate where the path's time is not known.
+  int64_t ExpectedFrames() const;
+  /// True length of the path walked so far by the robot's root, m.
+  double distance_m() const { return distance_m_; }
+
+  /// A picture of the robot from beside it, BGR. Call between frames.
+  cv::Mat ThirdPersonView(int width_px, int height_px);
+
+ private:
+  bool WalkUntil(int64_t stamp_ns);
+  void Control();
+
+  SimulationOptions options_;
+  EglContext gl_;
+  CameraRig rig_;
+  World world_;
+  std::unique_ptr<Controller> controller_;
+  SensorSuite sensors_;
+  Renderer renderer_;
+  Calibration calibration_;
+  int64_t frame_ = 0;
+  int64_t last_control_ns_ = -1;
+  SimulationStatus status_ = SimulationStatus::kWalking;
+  double end_time_s_ = 0, distance_m_ = 0;
+  std::optional<Eigen::Vector2d> last_position_;
+  std::vector<ImuSample> imu_;
+  std::vector<JointSample> joints_;
+};
+
+}  // namespace gaitcam
