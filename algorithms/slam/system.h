@@ -21,8 +21,8 @@ using SystemSettings = std::map<std::string, double>;
 /// What a system is built from. No truth, no initial pose, no scale: those are the scorer's business.
 struct SystemSetup {
   Calibration calibration;
-  uint64_t seed = 1;          ///< All randomness of the system derives from it.
-  SystemSettings settings;    ///< Checked by the system: unknown names and bad values throw BadOption.
+  uint64_t seed = 1;        ///< All randomness of the system derives from it.
+  SystemSettings settings;  ///< Checked by the system: unknown names and bad values throw BadOption.
 };
 
 /// A SLAM system or odometry: frames in, poses out, in order. Deterministic: the same setup and observations give the
@@ -39,8 +39,8 @@ class System {
 
 struct SystemInfo {
   std::string name;
-  std::string description;                    ///< One line for `gaitcam list`.
-  std::map<std::string, double> defaults;     ///< Its settings and their default values.
+  std::string description;                 ///< One line for `gaitcam list`.
+  std::map<std::string, double> defaults;  ///< Its settings and their default values.
 };
 
 /// Names of all systems, sorted.
