@@ -1,0 +1,98 @@
+#include "sim/footsteps.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr double kArrived_m = 0.002;
+constexpr double kTurned_rad = 0.01;
+
+/// The longest step from which steps that shrink by `ramp` each still stop within `distance`.
+double LongestStoppableStep(double distance, double ramp) {
+  // l + (l - r) + (l - 2 r) + ... = l (l + r) / (2 r)
+  const double length = 0.5 * (std::sqrt(ramp * ramp + 8 * ramp * distance) - ramp);
+  return std::min(length, distance);
+}
+
+}  // namespace
+
+FootstepPlanner::FootstepPlanner(const GaitOptions& gait, const SteeringOptions& steering, const Path& path)
+    : gait_(gait), steering_(steering), path_(path) {
+  for (const int side : {0, 1}) {
+    const PlanarPose beside({0, SideSign(side) * gait.foot_spacing_m / 2}, 0);
+    prints_.push_back({side, path.start() * beside});
+  }
+  complete_ = path.segments().empty();
+}
+
+const Footprint& FootstepPlanner::print(int index) const {
+  GAITCAM_ASSERT(index >= forgotten_ && index < count());
+  return prints_[size_t(index - forgotten_)];
+}
+
+void FootstepPlanner::Forget(int index) {
+  while (forgotten_ < index && prints_.size() > 2) {
+    prints_.pop_front();
+    ++forgotten_;
+  }
+}
+
+PlanarPose FootstepPlanner::Center(const Footprint& print) const {
+  return print.ankle * PlanarPose({0, -SideSign(print.side) * gait_.foot_spacing_m / 2}, 0);
+}
+
+void FootstepPlanner::Append(const PlanarPose& X_WP) {
+  GAITCAM_ASSERT(!complete_);
+  const PlanarPose center = Center(prints_.back());
+  const Advance advance = Next(X_WP * center);
+  const int side = 1 - prints_.back().side;
+  const double length = advance.length_m * (1 + SideSign(side) * gait_.asymmetry_ratio);
+  // The way to the next centre is an arc's chord: it leaves in the direction of half the turn.
+  const PlanarPose chord({0, 0}, advance.turn_rad / 2);
+  const PlanarPose next = center * chord * PlanarPose({length, 0}, 0) * chord;
+  prints_.push_back({side, next * PlanarPose({0, SideSign(side) * gait_.foot_spacing_m / 2}, 0)});
+  length_m_ = advance.length_m;
+}
+
+FootstepPlanner::Advance FootstepPlanner::Next(const PlanarPose& X_WC) {
+  for (; segment_ < path_.segments().size(); ++segment_, along_ = 0) {
+    const PathSegment& segment = path_.segments()[segment_];
+    if (segment.IsTurnOnTheSpot()) {
+      const double left_to_turn = segment.start.heading + segment.turn_rad - X_WC.heading;
+      if (std::abs(left_to_turn) < kTurned_rad) continue;
+      return {0, std::clamp(left_to_turn, -steering_.max_turn_rad, steering_.max_turn_rad)};
+    }
+    const PathSegment::Location location = segment.Locate(X_WC.position, along_);
+    along_ = location.along;
+    if (along_ >= segment.length_m || DistanceToStop(along_) < kArrived_m) continue;
+    return AlongSegment(segment, X_WC, location.along, location.left);
+  }
+  complete_ = true;
+  return {};
+}
+
+double FootstepPlanner::DistanceToStop(double along) const {
+  double distance = -along;
+  for (size_t i = segment_; i < path_.segments().size() && !path_.segments()[i].IsTurnOnTheSpot(); ++i) {
+    distance += path_.segments()[i].length_m;
+  }
+  return distance;
+}
+
+FootstepPlanner::Advance FootstepPlanner::AlongSegment(const PathSegment& segment, const PlanarPose& X_WC, double along,
+                                                       double left) {
+  const double full = gait_.step_length_m;
+  const double ramp = steering_.ramp_ratio * full;
+  const double length = std::min({full, length_m_ + ramp, LongestStoppableStep(DistanceToStop(along), ramp)});
+  const double approach =
+      std::clamp(steering_.offset_gain * left, -steering_.max_approach_rad, steering_.max_approach_rad);
+  const double heading_error = segment.At(along).heading - approach - X_WC.heading;
+  const double turn = segment.Curvature() * length + steering_.heading_gain * heading_error;
+  return {length, std::clamp(turn, -steering_.max_turn_rad, steering_.max_turn_rad)};
+}
+
+}  // namespace gaitcam

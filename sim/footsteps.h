@@ -1,0 +1,74 @@
+/// Footprints along a path: where the next foot goes, given where the robot is believed to be.
+///
+/// Footprints live in the plan's frame P: the floor as the feet would find it if no step ever slipped. P starts as the
+/// world W; while slipping feet carry it away, X_WP says how P lies in W. The queue of footprints is longer than what
+/// is walked, since preview control looks ahead. So steering does not ask where the robot is, but where the last
+/// footprint of the queue will be, X_WP * print: otherwise every correction would come again, a queue's length too
+/// late.
+
+#pragma once
+
+#include <deque>
+
+#include "models/gait.h"
+#include "sim/path.h"
+
+namespace gaitcam {
+
+/// `side` is 0 for left, 1 for right; the pose is that of the ankle, projected on the floor.
+struct Footprint {
+  int side = 0;
+  PlanarPose ankle;
+};
+
+/// +1 for the left foot, -1 for the right: the sign of its y.
+inline double SideSign(int side) { return side == 0 ? 1.0 : -1.0; }
+
+struct SteeringOptions {
+  double max_turn_rad = 0.25;     ///< Most that one step turns.
+  double heading_gain = 0.3;      ///< Part of the heading error that one step takes away.
+  double offset_gain = 1.0;       ///< rad of heading per m beside the path.
+  double max_approach_rad = 0.5;  ///< Most that the heading leaves the path's to come back to it.
+  double ramp_ratio = 0.25;       ///< Most that the step length changes from step to step, in step lengths.
+};
+
+class FootstepPlanner {
+ public:
+  /// Stands on both feet at the path's start; print 0 is the left foot's, print 1 the right foot's.
+  FootstepPlanner(const GaitOptions& gait, const SteeringOptions& steering, const Path& path);
+
+  /// Footprint `index`, alternately left and right. @pre it was appended and not forgotten.
+  const Footprint& print(int index) const;
+  /// Number of prints appended so far, forgotten ones included.
+  int count() const { return forgotten_ + int(prints_.size()); }
+  /// The last print has been appended: the feet stand side by side at the path's end.
+  bool complete() const { return complete_; }
+
+  /// Appends the next footprint. @pre not complete.
+  void Append(const PlanarPose& X_WP);
+  /// Drops the prints before `index`, so that a long walk does not grow.
+  void Forget(int index);
+
+  /// Midway between where this print's foot and the other one stand.
+  PlanarPose Center(const Footprint& print) const;
+
+ private:
+  struct Advance {
+    double length_m = 0, turn_rad = 0;
+  };
+  Advance Next(const PlanarPose& X_WC);
+  Advance AlongSegment(const PathSegment& segment, const PlanarPose& X_WC, double along, double left);
+  double DistanceToStop(double along) const;
+
+  GaitOptions gait_;
+  SteeringOptions steering_;
+  Path path_;
+  std::deque<Footprint> prints_;
+  int forgotten_ = 0;
+  size_t segment_ = 0;   ///< Of the path: where the last footprint is.
+  double along_ = 0;     ///< On that segment, m.
+  double length_m_ = 0;  ///< Of the last step.
+  bool complete_ = false;
+};
+
+}  // namespace gaitcam

@@ -1,0 +1,126 @@
+#include "sim/footsteps.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace gaitcam {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Path MakePath(const std::string& kind, double length_m = 1.0) {
+  PathOptions options;
+  options.kind = kind;
+  options.length_m = length_m;
+  options.side_m = 0.5;
+  options.diameter_m = 1.0;
+  return {options, {}};
+}
+
+TEST(Footsteps, AlternateBetweenTheFeet) {
+  FootstepPlanner planner({}, {}, MakePath("straight"));
+  while (!planner.complete()) planner.Append({});
+  for (int i = 0; i < planner.count(); ++i) EXPECT_EQ(planner.print(i).side, i % 2);
+}
+
+TEST(Footsteps, EndSideBySideAtThePathsEnd) {
+  for (const char* kind : {"straight", "circle", "square", "there_and_back"}) {
+    const Path path = MakePath(kind);
+    FootstepPlanner planner({}, {}, path);
+    while (!planner.complete()) {
+      planner.Append({});
+      ASSERT_LT(planner.count(), 2000) << kind;
+    }
+    const PlanarPose last = planner.Center(planner.print(planner.count() - 1));
+    const PlanarPose before = planner.Center(planner.print(planner.count() - 2));
+    EXPECT_NEAR((last.position - before.position).norm(), 0, 1e-12) << kind;
+    // Steering is proportional, so a small error of the last corner remains; along the way steps end within 2 mm.
+    EXPECT_NEAR((last.position - path.goal().position).norm(), 0, 0.005) << kind;
+    EXPECT_NEAR(last.heading, path.goal().heading, 0.02) << kind;
+  }
+}
+
+TEST(Footsteps, StartAndStopInRamps) {
+  const GaitOptions gait;
+  FootstepPlanner planner(gait, {}, MakePath("straight"));
+  while (!planner.complete()) planner.Append({});
+  double length = 0;
+  for (int i = 2; i < planner.count(); ++i) {
+    const double next =
+        (planner.Center(planner.print(i)).position - planner.Center(planner.print(i - 1)).position).norm();
+    EXPECT_LE(next, gait.step_length_m + 1e-12);
+    EXPECT_LE(next - length, 0.25 * gait.step_length_m + 1e-9) << "step " << i;
+    EXPECT_GE(next - length, -0.5 * gait.step_length_m) << "step " << i;  // the last one closes the feet
+    length = next;
+  }
+}
+
+TEST(Footsteps, KeepTheirSpacing) {
+  const GaitOptions gait;
+  FootstepPlanner planner(gait, {}, MakePath("circle"));
+  while (!planner.complete()) planner.Append({});
+  for (int i = 1; i < planner.count(); ++i) {
+    const PlanarPose between = planner.print(i - 1).ankle.Inverse() * planner.print(i).ankle;
+    const double sideways = SideSign(planner.print(i).side) * between.position.y();
+    EXPECT_NEAR(sideways, gait.foot_spacing_m, 0.25 * gait.foot_spacing_m);
+  }
+}
+
+TEST(Footsteps, NeverTurnMoreThanAllowed) {
+  SteeringOptions steering;
+  steering.max_turn_rad = 0.15;
+  FootstepPlanner planner({}, steering, MakePath("there_and_back"));
+  while (!planner.complete()) planner.Append({});
+  for (int i = 1; i < planner.count(); ++i) {
+    EXPECT_LE(std::abs(planner.print(i).ankle.heading - planner.print(i - 1).ankle.heading), 0.15 + 1e-12);
+  }
+}
+
+TEST(Footsteps, AsymmetryLengthensLeftStepsAlone) {
+  GaitOptions gait;
+  gait.asymmetry_ratio = 0.2;
+  FootstepPlanner planner(gait, {}, MakePath("straight", 3.0));
+  while (!planner.complete()) planner.Append({});
+  for (int i = 20; i < 40; ++i) {
+    const double length = planner.print(i).ankle.position.x() - planner.print(i - 1).ankle.position.x();
+    EXPECT_NEAR(length, planner.print(i).side == 0 ? 0.048 : 0.032, 1e-9);
+  }
+}
+
+TEST(Footsteps, SteeringHoldsTheLineAlthoughTheQueueIsLong) {
+  // Feet that slip turn the plan in the world by 0.01 rad a step; what is seen of it is 8 steps behind the queue's end.
+  const Path path = MakePath("straight", 8.0);
+  FootstepPlanner planner({}, {}, path);
+  double worst = 0, slipped = 0;
+  PlanarPose X_WP;
+  for (int walked = 1; !planner.complete(); ++walked) {
+    while (!planner.complete() && planner.count() < walked + 8) planner.Append(X_WP);
+    const PlanarPose here_P = planner.Center(planner.print(walked));
+    const PlanarPose here_W = X_WP * here_P;
+    // The world turns about the robot, not about the plan's origin.
+    slipped += 0.01;
+    const Eigen::Vector2d moved = PlanarPose({0, 0}, slipped) * here_P.position;
+    X_WP = {here_W.position - moved, slipped};
+    if (walked > 60) worst = std::max(worst, std::abs(here_W.position.y()));
+  }
+  // A proportional law balances 0.01 rad a step at 0.01 / heading_gain rad plus the queue's 0.08 rad of heading,
+  // that is at about 0.11 m beside the line; swinging up from dead time would show as far more.
+  EXPECT_LT(worst, 0.13);
+}
+
+TEST(Footsteps, ForgetsWhatHasBeenWalked) {
+  FootstepPlanner planner({}, {}, MakePath("straight"));
+  for (int i = 0; i < 10; ++i) planner.Append({});
+  const PlanarPose kept = planner.print(7).ankle;
+  planner.Forget(7);
+  EXPECT_EQ(planner.count(), 12);
+  EXPECT_EQ(planner.print(7).ankle.position, kept.position);
+  EXPECT_THROW(planner.print(6), std::logic_error);
+}
+
+TEST(Footsteps, StandingNeedsNoSteps) { EXPECT_TRUE(FootstepPlanner({}, {}, MakePath("stand")).complete()); }
+
+}  // namespace
+}  // namespace gaitcam
