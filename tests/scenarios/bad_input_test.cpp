@@ -1,0 +1,80 @@
+// What a user who slips gets: one line that says where and what would be right, exit 2, and nothing written.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/scenarios/program.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace gaitcam {
+namespace {
+
+using testing::HasSubstr;
+
+class BadInputTest : public testing::Test {
+ protected:
+  /// Writes `yaml` as s.yaml, calls a verb on it and expects one line with `fragment` and nothing new in the folder.
+  void ExpectRefusal(const std::string& yaml, const std::string& fragment, const std::string& more = "",
+                     const std::string& verb = "run") {
+    std::ofstream(temporary_.path() / "s.yaml") << yaml;
+    const ProgramResult result = RunProgram(verb + " s.yaml " + more, temporary_.path());
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(fragment));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_EQ(result.out, "");
+    int files = 0;
+    for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(temporary_.path())) ++files;
+    EXPECT_EQ(files, 1) << "something was written beside s.yaml";
+  }
+
+  const TemporaryFolder temporary_;
+};
+
+TEST_F(BadInputTest, UnknownKeyNamesTheNearestKnownOne) {
+  ExpectRefusal("seed: 1\ngait:\n  perid_s: 0.3\n", "s.yaml:3:3: gait.perid_s: unknown key; did you mean period_s?");
+  ExpectRefusal("sytem: sift_vo\n", "s.yaml:1:1: sytem: unknown key; did you mean system?", "", "validate");
+}
+
+TEST_F(BadInputTest, WrongTypeAndRangeNameLineAndColumn) {
+  ExpectRefusal("duration_s: long\n", "s.yaml:1:13: duration_s: \"long\" is not a number");
+  ExpectRefusal("seed: -1\n", "s.yaml:1:7: seed:");
+  ExpectRefusal("camera: {exposure_ms: 900}\n", "s.yaml:1:23: camera.exposure_ms: 900 is not permitted; expected");
+}
+
+TEST_F(BadInputTest, NamesThatDoNotExistAreNamedWithTheNearest) {
+  ExpectRefusal("robot: khr1v\n", "khr1hv");
+  ExpectRefusal("place: labb\n", "lab");
+  ExpectRefusal("system: sift_v0\n", "sift_vo");
+  ExpectRefusal("system: {name: sift_vo, ration: 0.8}\n", "ratio");
+  ExpectRefusal("gait: {preset: briskly}\n", "it has brisk, normal, slow");
+  ExpectRefusal("robot: my/own.yaml\n", "own.yaml");
+}
+
+TEST_F(BadInputTest, AStepOutOfReachIsRefusedBeforeTheRun) {
+  ExpectRefusal("gait: {step_length_m: 0.3}\n", "gait.step_length_m: 0.3");
+  ExpectRefusal("", "gait.step_length_m: 0.3", "--set gait.step_length_m=0.3", "validate");
+}
+
+TEST_F(BadInputTest, CommandLineValuesAreNamedAsSuch) {
+  ExpectRefusal("", "--set gait.period_s=soon: \"soon\" is not a number", "--set gait.period_s=soon");
+  ExpectRefusal("", "expected key=value", "--set gait.period_s");
+}
+
+TEST_F(BadInputTest, BrokenYamlAndMissingFiles) {
+  ExpectRefusal("gait: [1, 2\n", "s.yaml:2:1: not valid YAML");
+  const ProgramResult missing = RunProgram("run nowhere.yaml", temporary_.path());
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_THAT(missing.err, HasSubstr("nowhere.yaml: cannot read this file"));
+  const ProgramResult no_verb = RunProgram("walk s.yaml", temporary_.path());
+  EXPECT_EQ(no_verb.exit_code, 2);
+}
+
+TEST_F(BadInputTest, AFolderThatHoldsSomethingElseIsNotReplaced) {
+  std::ofstream(temporary_.path() / "s.yaml") << "duration_s: 1\n";
+  const ProgramResult result = RunProgram("run s.yaml --out .", temporary_.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("holds something else"));
+}
+
+}  // namespace
+}  // namespace gaitcam
