@@ -1,0 +1,512 @@
+#include "results/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <sstream>
+
+#include "algorithms/core/errors.h"
+#include "results/metrics.h"
+#include "results/report_page.h"
+
+namespace gaitcam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::string Escape(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+std::string Base64(const std::vector<uchar>& bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const size_t n = std::min<size_t>(3, bytes.size() - i);
+    const uint32_t group =
+        uint32_t(bytes[i]) << 16 | (n > 1 ? uint32_t(bytes[i + 1]) << 8 : 0) | (n > 2 ? uint32_t(bytes[i + 2]) : 0);
+    out += kDigits[group >> 18];
+    out += kDigits[group >> 12 & 63];
+    out += n > 1 ? kDigits[group >> 6 & 63] : '=';
+    out += n > 2 ? kDigits[group & 63] : '=';
+  }
+  return out;
+}
+
+/// A picture as a data URI, no wider than `max_width_px`.
+std::string JpegUri(const cv::Mat& picture, int max_width_px) {
+  cv::Mat shown = picture;
+  if (picture.cols > max_width_px) {
+    cv::resize(picture, shown, {max_width_px, int(std::lround(double(picture.rows) * max_width_px / picture.cols))}, 0,
+               0, cv::INTER_AREA);
+  }
+  std::vector<uchar> bytes;
+  cv::imencode(".jpg", shown, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
+  return "data:image/jpeg;base64," + Base64(bytes);
+}
+
+std::string ReadChartLibrary(const std::filesystem::path& wanted) {
+  std::vector<std::filesystem::path> places = {wanted};
+  if (wanted.empty()) {
+    places = {"/usr/share/javascript/chart.js/chart.min.js", "/usr/share/nodejs/chart.js/dist/chart.min.js"};
+  }
+  for (const std::filesystem::path& place : places) {
+    std::ifstream file(place, std::ios::binary);
+    std::stringstream text;
+    if (file && text << file.rdbuf()) return text.str();
+  }
+  throw MissingResource("the report needs Chart.js at " + places.front().string() +
+                        "; install the Debian package libjs-chart.js");
+}
+
+// ---- What the charts are drawn from
+// -----------------------------------------------------------------------------------
+
+/// A number with about a tenth of a millimetre of room: enough for a chart, and short in the file.
+Json Rounded(double value) { return std::isfinite(value) ? Json(std::round(value * 1e4) / 1e4) : Json(nullptr); }
+
+Json Column(size_t count, const auto& value_at) {
+  Json column = Json::array();
+  for (size_t i = 0; i < count; ++i) column.push_back(Rounded(value_at(i)));
+  return column;
+}
+
+/// The run's clock starts at its first frame (or true pose).
+struct Clock {
+  int64_t zero_ns = 0, end_ns = 0;
+  explicit Clock(const ReportInput& input) {
+    if (!input.frames.empty()) {
+      zero_ns = input.frames.front().stamp_ns;
+      end_ns = input.frames.back().stamp_ns;
+    } else if (!input.truth.empty()) {
+      zero_ns = input.truth.front().stamp_ns;
+      end_ns = input.truth.back().stamp_ns;
+    }
+  }
+  double Seconds(int64_t stamp_ns) const { return double(stamp_ns - zero_ns) * 1e-9; }
+};
+
+/// Median distance of successive stamps, s; 0 for less than two.
+double UsualInterval(const Trajectory& trajectory) {
+  std::vector<double> gaps;
+  for (size_t i = 1; i < trajectory.size(); ++i) {
+    gaps.push_back(double(trajectory[i].stamp_ns - trajectory[i - 1].stamp_ns) * 1e-9);
+  }
+  return gaps.empty() ? 0 : Quantile(gaps, 0.5);
+}
+
+/// Columns x, y, z; a null where there was no pose for a while, so that no line is drawn across.
+Json PathJson(const Trajectory& trajectory) {
+  Json x = Json::array(), y = Json::array(), z = Json::array();
+  const double longest = 2.5 * UsualInterval(trajectory);
+  for (size_t i = 0; i < trajectory.size(); ++i) {
+    if (i > 0 && double(trajectory[i].stamp_ns - trajectory[i - 1].stamp_ns) * 1e-9 > longest) {
+      for (Json* column : {&x, &y, &z}) column->push_back(nullptr);
+    }
+    const Eigen::Vector3d& p = trajectory[i].pose.translation;
+    x.push_back(Rounded(p.x()));
+    y.push_back(Rounded(p.y()));
+    z.push_back(Rounded(p.z()));
+  }
+  return {{"x", x}, {"y", y}, {"z", z}};
+}
+
+Json PathsJson(const ReportInput& input) {
+  Eigen::Array3d low = Eigen::Array3d::Constant(1e300), high = -low;
+  for (const StampedPose& p : input.truth) {
+    low = low.min(p.pose.translation.array());
+    high = high.max(p.pose.translation.array());
+  }
+  Json json = {{"truth", PathJson(input.truth)}};
+  json["side_axis"] = high.y() - low.y() > high.x() - low.x() ? "y" : "x";  // the side from which most is seen
+  if (input.scores) {
+    json["sim3"] = PathJson(input.scores->aligned_sim3);
+    json["se3"] = PathJson(input.scores->aligned_se3);
+  }
+  return json;
+}
+
+Json ErrorsJson(const Scores& scores, const Clock& clock) {
+  const std::vector<PosePair>& pairs = scores.pairs;
+  Trajectory stamps;
+  for (const PosePair& p : pairs) stamps.push_back({p.stamp_ns, p.truth});
+  const double longest = 2.5 * UsualInterval(stamps);
+  Json t = Json::array(), se3 = Json::array(), sim3 = Json::array(), rot = Json::array();
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (i > 0 && double(pairs[i].stamp_ns - pairs[i - 1].stamp_ns) * 1e-9 > longest) {
+      t.push_back(Rounded(clock.Seconds(pairs[i].stamp_ns)));
+      for (Json* column : {&se3, &sim3, &rot}) column->push_back(nullptr);
+    }
+    t.push_back(Rounded(clock.Seconds(pairs[i].stamp_ns)));
+    se3.push_back(Rounded(scores.error_se3_m[i]));
+    sim3.push_back(Rounded(scores.error_sim3_m[i]));
+    rot.push_back(Rounded(scores.error_rot_deg[i]));
+  }
+  return {{"t", t}, {"se3", se3}, {"sim3", sim3}, {"rot", rot}};
+}
+
+Json FramesJson(const std::vector<ReportFrame>& frames, const Clock& clock) {
+  const size_t n = frames.size();
+  return {{"t", Column(n, [&](size_t i) { return clock.Seconds(frames[i].stamp_ns); })},
+          {"blur_median", Column(n, [&](size_t i) { return frames[i].blur_median_px; })},
+          {"blur_p90", Column(n, [&](size_t i) { return frames[i].blur_p90_px; })},
+          {"blur_max", Column(n, [&](size_t i) { return frames[i].blur_max_px; })},
+          {"features", Column(n, [&](size_t i) { return double(frames[i].features); })},
+          {"inliers", Column(n, [&](size_t i) { return double(frames[i].inliers); })}};
+}
+
+/// Times between which `holds` is true of the frames: each frame stands for the time halfway to its neighbours.
+std::vector<std::pair<double, double>> Spans(const std::vector<ReportFrame>& frames, const Clock& clock,
+                                             const auto& holds) {
+  std::vector<std::pair<double, double>> spans;
+  const auto edge = [&](size_t i) {  // between frames i - 1 and i
+    if (i == 0) return clock.Seconds(frames.front().stamp_ns);
+    if (i == frames.size()) return clock.Seconds(frames.back().stamp_ns);
+    return 0.5 * (clock.Seconds(frames[i - 1].stamp_ns) + clock.Seconds(frames[i].stamp_ns));
+  };
+  for (size_t i = 0; i < frames.size(); ++i) {
+    if (!holds(frames[i])) continue;
+    const size_t begin = i;
+    while (i + 1 < frames.size() && holds(frames[i + 1])) ++i;
+    spans.emplace_back(edge(begin), edge(i + 1));
+  }
+  return spans;
+}
+
+Json StatusSpansJson(const std::vector<ReportFrame>& frames, const Clock& clock) {
+  Json json = Json::array();
+  for (const TrackingStatus status : {TrackingStatus::kInitializing, TrackingStatus::kLost}) {
+    for (const auto& [from, to] : Spans(frames, clock, [&](const ReportFrame& f) { return f.status == status; })) {
+      json.push_back({Rounded(from), Rounded(to), ToString(status)});
+    }
+  }
+  return json;
+}
+
+Json GaitJson(const std::vector<ReportFrame>& frames, const Clock& clock) {
+  Json rows = Json::array();
+  for (const int side : {0, 1}) {
+    Json points = Json::array();
+    const auto touches = [&](const ReportFrame& f) {
+      return f.has_gait && (side == 0 ? f.left_contact : f.right_contact);
+    };
+    for (const auto& [from, to] : Spans(frames, clock, touches)) {
+      const int row = side == 0 ? 2 : 1;
+      points.push_back({{"x", Rounded(from)}, {"y", row}});
+      points.push_back({{"x", Rounded(to)}, {"y", row}});
+      points.push_back({{"x", Rounded(to)}, {"y", nullptr}});
+    }
+    rows.push_back(
+        {{"name", side == 0 ? "left foot" : "right foot"}, {"colour", side == 0 ? "sim3" : "se3"}, {"points", points}});
+  }
+  return {{"rows", rows}};
+}
+
+bool HasGait(const ReportInput& input) {
+  return std::any_of(input.frames.begin(), input.frames.end(),
+                     [](const ReportFrame& f) { return f.has_gait && (f.left_contact || f.right_contact); });
+}
+
+Json ChartData(const ReportInput& input) {
+  const Clock clock(input);
+  Json json;
+  json["t_min"] = 0;
+  json["t_max"] = Rounded(clock.Seconds(clock.end_ns));
+  json["path"] = PathsJson(input);
+  if (input.scores) json["error"] = ErrorsJson(*input.scores, clock);
+  json["frames"] = FramesJson(input.frames, clock);
+  json["spans"] = StatusSpansJson(input.frames, clock);
+  json["restarts"] = Json::array();
+  for (const ReportFrame& f : input.frames) {
+    if (f.restarted) json["restarts"].push_back(Rounded(clock.Seconds(f.stamp_ns)));
+  }
+  if (HasGait(input)) json["gait"] = GaitJson(input.frames, clock);
+  return json;
+}
+
+// ---- The page, from top to bottom
+// -------------------------------------------------------------------------------------
+
+std::string Header(const ReportInput& input) {
+  std::string pill;
+  switch (input.end) {
+    case RunEnd::kFinished: pill = "<span class=\"pill good\">&#10003; finished</span>"; break;
+    case RunEnd::kFell:
+      pill = fmt::format("<span class=\"pill bad\">&#9888; fell at {:.1f} s</span>", input.end_time_s);
+      break;
+    case RunEnd::kInterrupted:
+      pill = fmt::format("<span class=\"pill warn\">&#9632; interrupted at {:.1f} s</span>", input.end_time_s);
+      break;
+  }
+  return fmt::format("<header>\n<span class=\"brand\">gaitcam run</span>\n<h1>{}</h1>\n{}\n<p>{}</p>\n</header>\n",
+                     Escape(input.title), pill, Escape(input.subtitle));
+}
+
+std::string Banner(const std::string& kind, const std::string& head, const std::string& text) {
+  return fmt::format("<div class=\"banner {}\" role=\"alert\"><b>{}</b>{}</div>\n", kind, Escape(head), Escape(text));
+}
+
+std::string Banners(const ReportInput& input) {
+  std::string html;
+  if (input.end == RunEnd::kFell) {
+    html += Banner("bad", fmt::format("The robot fell after {:.1f} s.", input.end_time_s),
+                   "What was filmed until then is scored; the rest of the path was never walked.");
+  }
+  if (input.end == RunEnd::kInterrupted) {
+    html += Banner("warn", fmt::format("The run was interrupted after {:.1f} s.", input.end_time_s),
+                   "What was finished until then is scored.");
+  }
+  if (!input.scores) {
+    html += Banner("bad", "There are no scores.", input.no_scores_reason);
+  } else if (const double coverage = input.scores->Value("coverage_ratio"); coverage < input.min_good_coverage_ratio) {
+    html += Banner("bad", fmt::format("Low coverage: only {:.0f} % of the frames have a pose.", 100 * coverage),
+                   "The errors below say nothing of the rest.");
+  }
+  if (input.software_renderer) {
+    html += Banner("warn", "Rendered in software.",
+                   "Pictures are the same, times are not those of a machine with a graphics processor. Renderer: " +
+                       input.renderer);
+  }
+  return html;
+}
+
+std::string Card(const std::string& name, double value, const std::string& unit, const std::string& hint) {
+  return fmt::format("<div><dt>{}</dt><dd class=\"value\">{}<small>{}</small></dd><dd class=\"hint\">{}</dd></div>\n",
+                     Escape(name), std::isfinite(value) ? ScoreText(value) : "&ndash;",
+                     std::isfinite(value) ? Escape(unit) : "", Escape(hint));
+}
+
+double MedianBlur(const std::vector<ReportFrame>& frames) {
+  std::vector<double> blur;
+  for (const ReportFrame& f : frames) blur.push_back(f.blur_median_px);
+  return blur.empty() ? kNaN : Quantile(blur, 0.5);
+}
+
+std::string Cards(const ReportInput& input) {
+  std::string html = "<dl class=\"cards\">\n";
+  if (input.scores) {
+    const Scores& s = *input.scores;
+    html +=
+        Card("Position error, Sim(3)", s.Value("ate_sim3_rmse_m"), "m",
+             fmt::format("root mean square along {} m of path, scale given away", ScoreText(s.Value("path_length_m"))));
+    html += Card("Position error, SE(3)", s.Value("ate_rmse_m"), "m",
+                 fmt::format("with the estimate's own scale, {} of the true one", ScoreText(s.Value("scale_ratio"))));
+    html += Card("Drift", s.Value("drift_sim3_pct"), "%", "of the distance gone, scale corrected");
+    html += Card("Rotation error", s.Value("ate_rot_rmse_deg"), "\u00b0", "root mean square after alignment");
+    html += Card(
+        "Coverage", 100 * s.Value("coverage_ratio"), "%",
+        fmt::format("{} of {} frames have a pose", ScoreText(s.Value("tracked_frames")), ScoreText(s.Value("frames"))));
+    html += Card("Rotation gain", s.Value("rotation_gain"), "", "estimated over true total turn; 1 is right");
+  }
+  if (!input.frames.empty()) {
+    html += Card("Motion blur", MedianBlur(input.frames), "px", "median over frames of the median blur extent");
+  }
+  if (input.scores && !input.scores->timing.empty() && input.scores->timing.front().name == "track_ms_mean") {
+    html += Card("Tracking time", input.scores->Value("track_ms_mean"), "ms",
+                 fmt::format("per frame; 95 % below {} ms", ScoreText(input.scores->Value("track_ms_p95"))));
+  }
+  return html + "</dl>\n";
+}
+
+std::string Film(const ReportInput& input) {
+  if (input.video_file.empty()) return {};
+  const std::string poster =
+      input.video_poster.empty() ? "" : fmt::format(" poster=\"{}\"", JpegUri(input.video_poster, 1280));
+  return fmt::format(
+      "<h2>The walk</h2>\n<video controls muted loop playsinline preload=\"none\" src=\"{}\"{}></video>\n",
+      Escape(input.video_file), poster);
+}
+
+struct KeyEntry {
+  std::string colour, text, kind;
+};
+
+std::string Key(const std::vector<KeyEntry>& entries) {
+  std::string html = "<ul class=\"key\">";
+  for (const KeyEntry& e : entries) {
+    html += fmt::format("<li class=\"{}\" style=\"--c: var(--{})\">{}</li>", e.kind, e.colour, Escape(e.text));
+  }
+  return html + "</ul>\n";
+}
+
+std::string Panel(const std::string& chart, const std::string& title, const std::vector<KeyEntry>& key, int height_px) {
+  return fmt::format(
+      "<section class=\"panel\"><h3>{}</h3>\n{}<div class=\"chart\" style=\"height: {}px\"><canvas data-chart=\"{}\" "
+      "role=\"img\" aria-label=\"{}\"></canvas></div></section>\n",
+      Escape(title), Key(key), height_px, chart, Escape(title));
+}
+
+std::string Paths(const ReportInput& input) {
+  if (input.truth.empty()) return {};
+  std::vector<KeyEntry> key = {{"truth", "truth (circle: start, diamond: end)", ""}};
+  if (input.scores) {
+    key.push_back({"sim3", "estimate after Sim(3) alignment", ""});
+    key.push_back({"se3", "after SE(3) alignment", "dashed"});
+  }
+  return "<h2>Path</h2>\n<div class=\"grid two\">\n" + Panel("top", "From above", key, 400) +
+         Panel("side", "From the side", key, 400) + "</div>\n";
+}
+
+std::string OverTime(const ReportInput& input) {
+  std::string html = "<h2>Over time</h2>\n";
+  std::vector<KeyEntry> shades;
+  const auto has = [&](TrackingStatus status) {
+    return std::any_of(input.frames.begin(), input.frames.end(),
+                       [&](const ReportFrame& f) { return f.status == status; });
+  };
+  if (has(TrackingStatus::kInitializing)) shades.push_back({"wait", "no pose yet", "area"});
+  if (has(TrackingStatus::kLost)) shades.push_back({"lost", "lost", "area"});
+  const auto with_shades = [&](std::vector<KeyEntry> key) {
+    key.insert(key.end(), shades.begin(), shades.end());
+    return key;
+  };
+  if (input.scores) {
+    html +=
+        Panel("error", "Position error",
+              with_shades({{"sim3", "after Sim(3) alignment", ""}, {"se3", "after SE(3) alignment", "dashed"}}), 230);
+    html += Panel("rotation", "Rotation error", with_shades({{"purple", "after alignment", ""}}), 180);
+  }
+  if (!input.frames.empty()) {
+    html += Panel(
+        "blur", "Motion blur: how far image points move during the exposure",
+        with_shades({{"sim3", "median over the image", ""}, {"green", "90th percentile", ""}, {"se3", "largest", ""}}),
+        220);
+    html += Panel("inliers", "What the system found", with_shades({{"sim3", "inliers", ""}, {"green", "features", ""}}),
+                  200);
+  }
+  if (HasGait(input)) html += Panel("gait", "Feet on the floor", {{"sim3", "left", ""}, {"se3", "right", ""}}, 120);
+  return input.scores || !input.frames.empty() ? html : std::string();
+}
+
+std::string Strip(const ReportInput& input) {
+  if (input.twins.empty()) return {};
+  const Clock clock(input);
+  std::string html =
+      "<h2>Frames and their sharp twins</h2>\n<p class=\"note\">Above, the frame as the camera exposed it: light "
+      "integrated "
+      "while the shutter was open, with noise. Below, one instant in the middle of the same exposure.</p>\n<div "
+      "class=\"strip\">\n";
+  for (const ReportTwin& twin : input.twins) {
+    const std::string when = fmt::format("{:.2f} s", clock.Seconds(twin.stamp_ns));
+    html += fmt::format(
+        "<figure><span class=\"shot\"><img alt=\"exposed frame at {0}\" src=\"{1}\"><span>exposed</span></span><span "
+        "class=\"shot\"><img alt=\"sharp twin at {0}\" src=\"{2}\"><span>sharp</span></span><figcaption><b>{0}</b> "
+        "&middot; "
+        "blur {3:.1f} px median, {4:.1f} px largest</figcaption></figure>\n",
+        when, JpegUri(twin.blurred, 400), JpegUri(twin.sharp, 400), twin.blur_median_px, twin.blur_max_px);
+  }
+  return html + "</div>\n";
+}
+
+std::string GroupOf(const std::string& name) {
+  const auto starts = [&](std::string_view prefix) { return name.rfind(prefix, 0) == 0; };
+  if (starts("ate_")) return "Absolute error";
+  if (starts("rpe_")) return "Relative error";
+  if (starts("drift") || starts("end_drift")) return "Drift";
+  if (starts("scale") || starts("turn") || starts("rotation")) return "Scale and turning";
+  if (starts("track_ms") || starts("peak_memory")) return "Time and memory: differ from run to run";
+  return "Coverage";
+}
+
+std::string ScoreTable(const ReportInput& input) {
+  if (!input.scores) return {};
+  std::string html = "<h2>All scores</h2>\n";
+  for (const std::string& remark : input.scores->remarks)
+    html += "<p class=\"note\">Note: " + Escape(remark) + ".</p>\n";
+  html +=
+      "<div class=\"panel scroll\"><table>\n<thead><tr><th>name</th><th style=\"text-align: right\">value</th>"
+      "<th>unit</th><th class=\"meaning\">meaning</th></tr></thead>\n<tbody>\n";
+  std::string group;
+  for (const std::vector<Score>* list : {&input.scores->scores, &input.scores->timing}) {
+    for (const Score& s : *list) {
+      const std::string its_group =
+          list == &input.scores->timing ? "Time and memory: differ from run to run" : GroupOf(s.name);
+      if (its_group != group) html += fmt::format("<tr><th colspan=\"4\" scope=\"colgroup\">{}</th></tr>\n", its_group);
+      group = its_group;
+      html += fmt::format(
+          "<tr><td><code>{}</code></td><td class=\"number\">{}</td><td class=\"unit\">{}</td><td "
+          "class=\"meaning\">{}</td></tr>\n",
+          Escape(s.name), std::isfinite(s.value) ? ScoreText(s.value) : "&ndash;", Escape(s.unit), Escape(s.meaning));
+    }
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string Provenance(const ReportInput& input) {
+  std::string html = "<h2>How it was made</h2>\n";
+  html += "<section class=\"panel\"><dl class=\"facts\">\n";
+  for (const auto& [name, value] : input.facts) {
+    html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", Escape(name), Escape(value));
+  }
+  if (!input.renderer.empty()) {
+    html += fmt::format("<dt>renderer</dt><dd>{}{}</dd>\n", Escape(input.renderer),
+                        input.software_renderer ? " (software)" : "");
+  }
+  html += "</dl></section>\n";
+  if (!input.resolved_scenario.empty()) {
+    html += fmt::format("<details class=\"panel\"><summary>Resolved scenario</summary><pre>{}</pre></details>\n",
+                        Escape(input.resolved_scenario));
+  }
+  return html;
+}
+
+/// JSON inside a script element must not hold the text that would close it.
+std::string ScriptSafe(std::string json) {
+  for (size_t at = json.find("</"); at != std::string::npos; at = json.find("</", at + 3)) json.insert(at + 1, "\\");
+  return json;
+}
+
+}  // namespace
+
+std::string ReportHtml(const ReportInput& input, const ReportOptions& options) {
+  const std::string library = ReadChartLibrary(options.chart_library);
+  std::string html = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
+  html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
+  html += "<link rel=\"icon\" href=\"data:,\">\n";
+  html += "<title>" + Escape(input.title) + " - gaitcam</title>\n<style>" + std::string(internal::ReportStyle()) +
+          "</style>\n";
+  html += "</head>\n<body>\n<main>\n";
+  html += Header(input) + Banners(input) + Cards(input) + Film(input) + Paths(input) + OverTime(input);
+  html += Strip(input) + ScoreTable(input) + Provenance(input);
+  html += "<footer>Written by gaitcam. Charts by Chart.js (MIT licence), inlined.</footer>\n</main>\n";
+  html += "<script type=\"application/json\" id=\"data\">" + ScriptSafe(ChartData(input).dump()) + "</script>\n";
+  html += "<script>" + library + "</script>\n<script>" + std::string(internal::ReportScript()) + "</script>\n";
+  return html + "</body>\n</html>\n";
+}
+
+void WriteReport(const std::filesystem::path& path, const ReportInput& input, const ReportOptions& options) {
+  const std::string html = ReportHtml(input, options);
+  std::filesystem::path temporary = path;
+  temporary += ".partial";
+  std::error_code error;
+  {
+    std::ofstream file(temporary, std::ios::binary);
+    file << html;
+    file.close();
+    if (!file) throw MissingResource(path.string() + ": the report cannot be written there");
+  }
+  std::filesystem::rename(temporary, path, error);
+  if (error) throw MissingResource(path.string() + ": the report cannot be written there: " + error.message());
+}
+
+}  // namespace gaitcam

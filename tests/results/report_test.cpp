@@ -1,0 +1,190 @@
+// The report page, opened by a real browser: nothing complains, and every chart shows its data.
+
+#include "results/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgproc.hpp>
+#include <regex>
+#include <sstream>
+
+#include "algorithms/core/errors.h"
+#include "tests/results/synthetic.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+/// A folder that goes with the test.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "gaitcam_report_XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string ReadAll(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// Planks with grain: something to look at.
+cv::Mat FloorPicture(int seed) {
+  cv::Mat picture(240, 320, CV_8UC3), grain(24, 160, CV_8UC1);
+  cv::RNG random(seed + 1);
+  random.fill(grain, cv::RNG::NORMAL, 128, 30);
+  cv::resize(grain, grain, picture.size(), 0, 0, cv::INTER_CUBIC);
+  for (int v = 0; v < picture.rows; ++v) {
+    const int plank = (v * (240 + v) / 9000) * 37 % 23;
+    for (int u = 0; u < picture.cols; ++u) {
+      const int g = grain.at<uchar>(v, u) - 128;
+      picture.at<cv::Vec3b>(v, u) = {cv::saturate_cast<uchar>(70 + 2 * plank + g),
+                                     cv::saturate_cast<uchar>(105 + 3 * plank + g),
+                                     cv::saturate_cast<uchar>(150 + 3 * plank + g)};
+    }
+  }
+  cv::circle(picture, {60 + 25 * seed % 200, 70}, 32, {60, 60, 200}, cv::FILLED, cv::LINE_AA);
+  return picture;
+}
+
+/// A made-up run of 20 s that initialises, gets lost once and drifts.
+struct MadeUpRun {
+  Trajectory truth = SwayingCircle(600, 2, 2 * std::numbers::pi);
+  Scores scores;
+  ReportInput input;
+
+  MadeUpRun() {
+    RandomStream random(7, "report");
+    Similarity drifting;
+    Estimate estimate;
+    for (size_t i = 0; i < truth.size(); ++i) {
+      drifting.scale = 0.4 * (1 + 0.0004 * double(i));
+      drifting.rotation = RotZ(0.0006 * double(i));
+      FrameEstimate frame;
+      frame.stamp_ns = truth[i].stamp_ns;
+      frame.status = i < 20 ? TrackingStatus::kInitializing
+                            : (i >= 300 && i < 345 ? TrackingStatus::kLost : TrackingStatus::kTracking);
+      if (frame.status == TrackingStatus::kTracking) {
+        frame.pose = drifting * truth[i].pose;
+        frame.pose->translation += 0.004 * Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal());
+      }
+      frame.features = int(400 + 100 * std::sin(0.03 * double(i)) + 20 * random.Normal());
+      frame.inliers = frame.pose ? int(frame.features * (0.5 + 0.1 * std::sin(0.2 * double(i)))) : 0;
+      estimate.frames.push_back(frame);
+      estimate.track_ms.push_back(30 + 5 * random.Uniform());
+      AddFrame(frame, int(i));
+    }
+    scores = ScoreEstimate(estimate, truth, Stamps(truth), {});
+    input.scores = &scores;
+    Describe();
+  }
+
+  void AddFrame(const FrameEstimate& frame, int i) {
+    ReportFrame f;
+    f.stamp_ns = frame.stamp_ns;
+    f.status = frame.status;
+    f.features = frame.features;
+    f.inliers = frame.inliers;
+    const double swing = std::pow(std::sin(0.3 * i), 2);
+    f.blur_median_px = 2 + 4 * swing;
+    f.blur_p90_px = 3 + 7 * swing;
+    f.blur_max_px = 4 + 11 * swing + std::sin(1.7 * i);
+    f.has_gait = true;
+    f.step = i / 10;
+    f.phase = (i % 10) / 10.0;
+    f.left_contact = i % 20 < 12;
+    f.right_contact = (i + 10) % 20 < 12;
+    input.frames.push_back(f);
+  }
+
+  void Describe() {
+    input.title = "quickstart";
+    input.subtitle = "khr1hv walks a circle in lab, gait normal, 320 x 240 at 30 Hz, exposure 20 ms; sift_vo looks on";
+    input.end_time_s = 20;
+    input.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
+    input.truth = truth;
+    for (int k = 0; k < 8; ++k) {
+      ReportTwin twin;
+      twin.stamp_ns = truth[size_t(30 + 75 * k)].stamp_ns;
+      twin.sharp = FloorPicture(k);
+      cv::blur(twin.sharp, twin.blurred, {3 + 2 * k, 1 + k});
+      twin.blur_median_px = 2 + k;
+      twin.blur_max_px = 4 + 2 * k;
+      input.twins.push_back(twin);
+    }
+    input.resolved_scenario =
+        "scenario: quickstart\nrobot: khr1hv\ngait:\n  preset: normal\n  period_s: 0.35\ncamera:\n  exposure_ms: 20\n";
+    input.facts = {
+        {"seed", "1"}, {"gaitcam", "0.1.0"}, {"MuJoCo", "2.2.2"}, {"command", "gaitcam run scenarios/quickstart.yaml"}};
+  }
+};
+
+struct Browsed {
+  std::string dom, complaints;
+};
+
+/// Loads a page in headless Chromium; `more` are further switches.
+Browsed Browse(const fs::path& page, const std::string& more = "") {
+  const TemporaryFolder profile;
+  const std::string dom = profile.path() / "dom.html", log = profile.path() / "log.txt";
+  const std::string command =
+      "timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
+      "--disable-background-networking --disable-component-update --disable-sync --user-data-dir='" +
+      profile.path().string() + "/profile' --enable-logging=stderr --virtual-time-budget=2000 " + more + " 'file://" +
+      page.string() + "' >'" + dom + "' 2>'" + log + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0) << ReadAll(log);
+  Browsed result{ReadAll(dom), ""};
+  std::istringstream lines(ReadAll(log));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("CONSOLE") != std::string::npos) result.complaints += line + "\n";
+  }
+  return result;
+}
+
+std::string Attribute(const std::string& dom, const std::string& name) {
+  std::smatch match;
+  return std::regex_search(dom, match, std::regex(name + "=\"([^\"]*)\"")) ? match[1].str() : "absent";
+}
+
+/// A developer who wants to look sets GAITCAM_KEEP_REPORT to a folder.
+fs::path PageFolder(const TemporaryFolder& temporary) {
+  const char* keep = std::getenv("GAITCAM_KEEP_REPORT");
+  return keep ? fs::path(keep) : temporary.path();
+}
+
+bool HaveChromium() { return std::system("command -v chromium >/dev/null") == 0; }
+
+TEST(Report, ABrowserDrawsEveryChartAndDoesNotComplain) {
+  if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
+  const TemporaryFolder folder;
+  const fs::path page = PageFolder(folder) / "report.html";
+  const MadeUpRun run;
+  WriteReport(page, run.input);
+  const Browsed browsed = Browse(page, "--dump-dom");
+  EXPECT_EQ(browsed.complaints, "");
+  EXPECT_EQ(Attribute(browsed.dom, "data-charts"), "7");  // two paths, two errors, blur, inliers, feet
+  EXPECT_EQ(Attribute(browsed.dom, "data-charts-drawn"), "7");
+}
+
+}  // namespace
+}  // namespace gaitcam
