@@ -4,6 +4,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -17,17 +18,21 @@
 
 namespace gaitcam {
 
-struct MjModelDeleter { void operator()(mjModel* m) const { mj_deleteModel(m); } };
-struct MjDataDeleter { void operator()(mjData* d) const { mj_deleteData(d); } };
+struct MjModelDeleter {
+  void operator()(mjModel* m) const { mj_deleteModel(m); }
+};
+struct MjDataDeleter {
+  void operator()(mjData* d) const { mj_deleteData(d); }
+};
 using MjModelPtr = std::unique_ptr<mjModel, MjModelDeleter>;
 using MjDataPtr = std::unique_ptr<mjData, MjDataDeleter>;
 
 struct PhysicsOptions {
   using DescribedTag = void;
-  double timestep_ms = 2.0;              ///< MuJoCo's step; the control period is a whole multiple of it.
+  double timestep_ms = 2.0;  ///< MuJoCo's step; the control period is a whole multiple of it.
   double control_period_ms = 4.0;
-  double mass_noise_ratio = 0.0;         ///< Each link's mass and inertia times 1 + uniform(-r, r), by seed.
-  double friction_noise_ratio = 0.0;     ///< Floor friction times 1 + uniform(-r, r), by seed.
+  double mass_noise_ratio = 0.0;      ///< Each link's mass and inertia times 1 + uniform(-r, r), by seed.
+  double friction_noise_ratio = 0.0;  ///< Floor friction times 1 + uniform(-r, r), by seed.
 };
 
 template <class Visitor>
@@ -35,7 +40,8 @@ void VisitFields(Visitor& visit, PhysicsOptions& o) {
   visit("timestep_ms", o.timestep_ms, Between(0.1, 5.0), "MuJoCo's step");
   visit("control_period_ms", o.control_period_ms, Between(0.1, 20.0), "a whole multiple of the step");
   visit("mass_noise_ratio", o.mass_noise_ratio, Between(0.0, 0.5), "each link's mass is off by up to this part");
-  visit("friction_noise_ratio", o.friction_noise_ratio, Between(0.0, 0.9), "the floor's friction is off by up to this part");
+  visit("friction_noise_ratio", o.friction_noise_ratio, Between(0.0, 0.9),
+        "the floor's friction is off by up to this part");
 }
 
 /// The state of the mechanism at one physics step.
@@ -45,11 +51,17 @@ struct PhysicsState {
 };
 
 /// The mechanism's exact path between physics steps. MuJoCo's semi-implicit Euler step moves the configuration with the
-/// constant velocity of the step's end, so q(t) = q_k + (t - t_k) v_{k+1} (on the manifold) is the integrator's own path.
+/// constant velocity of the step's end, so q(t) = q_k + (t - t_k) v_{k+1} (on the manifold) is the integrator's own
+/// path.
 class MotionRecord {
  public:
+  /// @pre the stamp is later than the last one's.
   void Append(PhysicsState state);
+  /// Forgets what is not needed to evaluate instants from `stamp_ns` on. Memory stays bounded if this is called now and
+  /// then.
   void DropBefore(int64_t stamp_ns);
+  void Clear() { states_.clear(); }
+  bool empty() const { return states_.empty(); }
   int64_t first_stamp_ns() const { return states_.front().stamp_ns; }
   int64_t last_stamp_ns() const { return states_.back().stamp_ns; }
   /// Puts `data` into the configuration at `stamp_ns` and updates kinematics, cameras and lights.
@@ -69,18 +81,31 @@ struct MjcfBundle {
 /// One camera to be put on the robot: extrinsics relative to the robot's camera mount.
 struct WorldCamera {
   std::string name;
-  Pose X_MC;               ///< Maps points of this camera (optical frame) into the mount's optical frame.
+  Pose X_MC;  ///< Maps points of this camera (optical frame) into the mount's optical frame.
 };
 
+/// Names in the model: bodies and joints as in the URDF, `servo_JOINT`, `floor`, `box0`, `box1`, ..., the cameras' own,
+/// the site `imu` with sensors `gyro` and `accelerometer`; of an omni base, joints and actuators `drive_x`, `drive_y`,
+/// `drive_yaw`. Visible shapes are in geom groups 0 (place) and 1 (robot); shapes that only collide in group 3, which
+/// is not drawn by default. The robot collides with the place, not with itself. Floor and boxes decide the friction of
+/// contacts.
+/// @throws BadInput if the place has more textures than MuJoCo can draw, or a mesh file cannot be read.
 MjcfBundle BuildMjcf(const Robot& robot, const Place& place, const PhysicsOptions& physics,
                      const std::vector<WorldCamera>& cameras);
 
+/// @throws BadInput if MuJoCo refuses the model, with its own words.
+MjModelPtr CompileMjcf(const MjcfBundle& bundle, const std::string& name);
+
 /// Physics, and what is true of it.
+///
+/// After each step, positions, contacts, cameras and the gyro in `data()` belong to `stamp_ns()`; accelerations and
+/// contact forces to the step that led there.
 class World {
  public:
-  /// @throws BadInput if MuJoCo refuses the model, with its own words.
-  World(const Robot& robot, const Place& place, const PhysicsOptions& physics, const std::vector<WorldCamera>& cameras,
-        uint64_t seed);
+  /// @throws BadInput if MuJoCo refuses the model, with its own words; BadOption if the control period is not a whole
+  /// multiple of the time step.
+  World(const Robot& robot, const gaitcam::Place& place, const PhysicsOptions& physics,
+        const std::vector<WorldCamera>& cameras, uint64_t seed);
 
   const mjModel* model() const { return model_.get(); }
   /// The unperturbed model: what a controller may know of the robot.
@@ -90,31 +115,51 @@ class World {
 
   int64_t stamp_ns() const { return step_count_ * timestep_ns_; }
   int64_t timestep_ns() const { return timestep_ns_; }
+  int64_t control_period_ns() const { return control_period_ns_; }
 
-  /// Puts the robot's root at a pose with its joints at given positions (order of Robot::joints, fixed ones included).
+  /// Multiplies gains (kp and kv) of the leg servos and of the neck servos; factors are relative to the robot file.
+  void ScaleServos(double legs, double neck);
+  /// Puts the robot's root at a pose with its joints at given positions (order of Robot::joints, fixed ones included),
+  /// at rest, at time 0, and the servos' targets likewise. Of an omni base, only x, y and yaw of the pose count.
   void Place(const Pose& X_WB, const std::vector<double>& joint_positions);
-  /// Servo targets, in the order of Robot::joints (fixed ones ignored); an omni base's wheels or planar joints likewise.
+  /// How many targets SetTargets expects: one per joint of Robot::joints, and for an omni base three more.
+  size_t target_count() const { return actuator_.size(); }
+  /// Servo targets, in the order of Robot::joints (fixed ones ignored); for an omni base, followed by x, y (m) and yaw
+  /// (rad, not wrapped) of the base in the world.
   void SetTargets(const std::vector<double>& targets);
   /// One physics step; the new state is appended to the record.
   /// @throws std::runtime_error with MuJoCo's words if it warned (a bad state): never silently.
   void Step();
 
-  Pose X_WB() const;                             ///< True pose of the root link.
-  std::vector<double> JointPositions() const;    ///< True, order of Robot::joints (0 for fixed).
-  bool FootContact(int side) const;              ///< 0 left, 1 right: any contact force between foot and anything else.
-  bool HasFallen() const;                        ///< Root link too low or tilted by more than 53 degrees, or a non-foot link on the floor.
+  Pose X_WB() const;                                                  ///< True pose of the root link.
+  std::vector<double> JointPositions() const;                         ///< True, order of Robot::joints (0 for fixed).
+  bool FootContact(int side) const { return foot_force_[side] > 0; }  ///< 0 left, 1 right: touches anything.
+  double FootForce(int side) const { return foot_force_[side]; }  ///< Normal contact force, N, during the last step.
+  /// Root link too low or tilted by more than 53 degrees, or a link other than the feet on the floor.
+  bool HasFallen() const;
   MotionRecord& record() { return record_; }
+  const MotionRecord& record() const { return record_; }
   const Robot& robot() const { return robot_; }
 
  private:
+  void Perturb(const PhysicsOptions& physics, uint64_t seed);
+  void FindAddresses();
+  void ReadContacts();
+  void AppendRecord();
+  void ThrowOnWarning() const;
+
   Robot robot_;
   MjModelPtr model_, nominal_;
   MjDataPtr data_;
-  int64_t timestep_ns_ = 0, step_count_ = 0;
+  int64_t timestep_ns_ = 0, control_period_ns_ = 0, step_count_ = 0;
   double standing_height_ = 0;
   MotionRecord record_;
-  std::vector<int> qpos_address_, actuator_;     ///< Per joint of Robot::joints, -1 where there is none.
+  std::vector<int> qpos_address_;  ///< Per joint of Robot::joints, -1 where there is none.
+  std::vector<int> actuator_;      ///< Per target, -1 where there is none.
   std::array<int, 2> foot_body_{-1, -1};
+  std::array<double, 2> foot_force_{0, 0};
+  int root_body_ = -1, floor_geom_ = -1;
+  bool body_on_floor_ = false;
 };
 
 }  // namespace gaitcam
