@@ -6,9 +6,9 @@
 
 namespace gaitcam {
 
-YamlNode::YamlNode(YAML::Node node, std::shared_ptr<std::string> file, std::string path,
+YamlNode::YamlNode(const YAML::Node& node, std::shared_ptr<std::string> file, std::string path,
                    std::shared_ptr<std::map<std::string, std::string>> overrides)
-    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)), overrides_(std::move(overrides)) {}
+    : node_(node), file_(std::move(file)), path_(std::move(path)), overrides_(std::move(overrides)) {}
 
 YamlNode YamlNode::LoadFile(const std::filesystem::path& file) {
   std::ifstream stream(file);

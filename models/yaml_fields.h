@@ -45,7 +45,7 @@ class YamlNode {
   void RejectUnknownKeys(const std::vector<std::string>& known) const;
 
  private:
-  YamlNode(YAML::Node node, std::shared_ptr<std::string> file, std::string path,
+  YamlNode(const YAML::Node& node, std::shared_ptr<std::string> file, std::string path,
            std::shared_ptr<std::map<std::string, std::string>> overrides);
 
   YAML::Node node_;
