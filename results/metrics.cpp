@@ -250,17 +250,23 @@ double ScaleDriftPctPerM(const std::vector<PosePair>& pairs) {
 
 double Turn::Gain(double min_deg) const { return true_rad * kDegrees < min_deg ? kNaN : estimated_rad / true_rad; }
 
-Turn MeasureTurn(const std::vector<PosePair>& pairs, double hysteresis_deg) {
-  std::vector<double> truth(pairs.size(), 0.0), estimate(pairs.size(), 0.0);  // turned about the vertical so far
+TurnCourse MeasureTurnCourse(const std::vector<PosePair>& pairs) {
+  TurnCourse course{std::vector<double>(pairs.size(), 0.0), std::vector<double>(pairs.size(), 0.0)};
   for (size_t i = 1; i < pairs.size(); ++i) {
-    const Eigen::Matrix3d R_WC = pairs[i - 1].truth.R();
-    truth[i] = truth[i - 1] + (R_WC * RotationVector(pairs[i - 1].truth.rotation, pairs[i].truth.rotation)).z();
-    estimate[i] = estimate[i - 1];
-    if (pairs[i].restarted) continue;
-    estimate[i] += (R_WC * RotationVector(pairs[i - 1].estimate.rotation, pairs[i].estimate.rotation)).z();
+    const PosePair &a = pairs[i - 1], &b = pairs[i];
+    const Eigen::Matrix3d R_WC = a.truth.R();
+    course.truth[i] = course.truth[i - 1] + (R_WC * RotationVector(a.truth.rotation, b.truth.rotation)).z();
+    course.estimate[i] = course.estimate[i - 1];
+    if (b.restarted) continue;
+    course.estimate[i] += (R_WC * RotationVector(a.estimate.rotation, b.estimate.rotation)).z();
   }
+  return course;
+}
+
+Turn MeasureTurn(const std::vector<PosePair>& pairs, double hysteresis_deg) {
   Turn turn;
   if (pairs.empty()) return turn;
+  const auto [truth, estimate] = MeasureTurnCourse(pairs);
   const std::vector<size_t> points = TurningPoints(truth, hysteresis_deg / kDegrees);
   for (size_t k = 1; k < points.size(); ++k) {
     const double true_change = truth[points[k]] - truth[points[k - 1]];

@@ -80,6 +80,12 @@ struct Turn {
 };
 Turn MeasureTurn(const std::vector<PosePair>& pairs, double hysteresis_deg = 20);
 
+/// The same turning as a course over time: turned about the vertical since the first pair, left positive, rad.
+struct TurnCourse {
+  std::vector<double> truth, estimate;
+};
+TurnCourse MeasureTurnCourse(const std::vector<PosePair>& pairs);
+
 /// Largest resident memory of this process so far, MiB; NaN where the system does not tell.
 double PeakMemoryMb();
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -162,7 +163,18 @@ Json ErrorsJson(const Scores& scores, const Clock& clock) {
     sim3.push_back(Rounded(scores.error_sim3_m[i]));
     rot.push_back(Rounded(scores.error_rot_deg[i]));
   }
-  return {{"t", t}, {"se3", se3}, {"sim3", sim3}, {"rot", rot}};
+  // Errors in a foreign scale would press those in the true one flat on the axis: left to a click.
+  const bool hide_se3 = scores.Value("ate_rmse_m") > 4 * scores.Value("ate_sim3_rmse_m");
+  return {{"t", t}, {"se3", se3}, {"sim3", sim3}, {"rot", rot}, {"hide_se3", hide_se3}};
+}
+
+Json HeadingJson(const Scores& scores, const Clock& clock) {
+  const TurnCourse course = MeasureTurnCourse(scores.pairs);
+  const size_t n = scores.pairs.size();
+  const double degrees = 180 / std::numbers::pi;
+  return {{"t", Column(n, [&](size_t i) { return clock.Seconds(scores.pairs[i].stamp_ns); })},
+          {"truth", Column(n, [&](size_t i) { return course.truth[i] * degrees; })},
+          {"estimate", Column(n, [&](size_t i) { return course.estimate[i] * degrees; })}};
 }
 
 Json FramesJson(const std::vector<ReportFrame>& frames, const Clock& clock) {
@@ -233,7 +245,10 @@ Json ChartData(const ReportInput& input) {
   json["t_min"] = 0;
   json["t_max"] = Rounded(clock.Seconds(clock.end_ns));
   json["path"] = PathsJson(input);
-  if (input.scores) json["error"] = ErrorsJson(*input.scores, clock);
+  if (input.scores) {
+    json["error"] = ErrorsJson(*input.scores, clock);
+    json["heading"] = HeadingJson(*input.scores, clock);
+  }
   json["frames"] = FramesJson(input.frames, clock);
   json["spans"] = StatusSpansJson(input.frames, clock);
   json["restarts"] = Json::array();
@@ -290,9 +305,15 @@ std::string Banners(const ReportInput& input) {
   return html;
 }
 
+/// Three significant digits: a card is read at a glance.
+std::string Short(double value) {
+  if (value == std::floor(value) || std::abs(value) >= 100) return fmt::format("{:.0f}", value);
+  return fmt::format("{:#.3g}", value);
+}
+
 std::string Card(const std::string& name, double value, const std::string& unit, const std::string& hint) {
   return fmt::format("<div><dt>{}</dt><dd class=\"value\">{}<small>{}</small></dd><dd class=\"hint\">{}</dd></div>\n",
-                     Escape(name), std::isfinite(value) ? ScoreText(value) : "&ndash;",
+                     Escape(name), std::isfinite(value) ? Short(value) : "&ndash;",
                      std::isfinite(value) ? Escape(unit) : "", Escape(hint));
 }
 
@@ -306,11 +327,10 @@ std::string Cards(const ReportInput& input) {
   std::string html = "<dl class=\"cards\">\n";
   if (input.scores) {
     const Scores& s = *input.scores;
-    html +=
-        Card("Position error, Sim(3)", s.Value("ate_sim3_rmse_m"), "m",
-             fmt::format("root mean square along {} m of path, scale given away", ScoreText(s.Value("path_length_m"))));
+    html += Card("Position error, Sim(3)", s.Value("ate_sim3_rmse_m"), "m",
+                 fmt::format("root mean square along {} m of path, scale given away", Short(s.Value("path_length_m"))));
     html += Card("Position error, SE(3)", s.Value("ate_rmse_m"), "m",
-                 fmt::format("with the estimate's own scale, {} of the true one", ScoreText(s.Value("scale_ratio"))));
+                 fmt::format("with the estimate's own scale: {} of the true one", Short(s.Value("scale_ratio"))));
     html += Card("Drift", s.Value("drift_sim3_pct"), "%", "of the distance gone, scale corrected");
     html += Card("Rotation error", s.Value("ate_rot_rmse_deg"), "\u00b0", "root mean square after alignment");
     html += Card(
@@ -323,7 +343,7 @@ std::string Cards(const ReportInput& input) {
   }
   if (input.scores && !input.scores->timing.empty() && input.scores->timing.front().name == "track_ms_mean") {
     html += Card("Tracking time", input.scores->Value("track_ms_mean"), "ms",
-                 fmt::format("per frame; 95 % below {} ms", ScoreText(input.scores->Value("track_ms_p95"))));
+                 fmt::format("per frame; 95 % below {} ms", Short(input.scores->Value("track_ms_p95"))));
   }
   return html + "</dl>\n";
 }
@@ -338,13 +358,19 @@ std::string Film(const ReportInput& input) {
 }
 
 struct KeyEntry {
-  std::string colour, text, kind;
+  std::string colour, text;
+  std::string kind = "";    ///< "dashed" or "area" as it looks in the chart.
+  std::string series = "";  ///< Label of the series that a click hides and shows; "" for none.
 };
 
-std::string Key(const std::vector<KeyEntry>& entries) {
-  std::string html = "<ul class=\"key\">";
+std::string Key(const std::vector<KeyEntry>& entries, const std::string& charts) {
+  std::string html = fmt::format("<ul class=\"key\" data-for=\"{}\">", charts);
   for (const KeyEntry& e : entries) {
-    html += fmt::format("<li class=\"{}\" style=\"--c: var(--{})\">{}</li>", e.kind, e.colour, Escape(e.text));
+    const std::string text =
+        e.series.empty() ? Escape(e.text)
+                         : fmt::format("<button type=\"button\" data-series=\"{}\" title=\"hide or show\">{}</button>",
+                                       Escape(e.series), Escape(e.text));
+    html += fmt::format("<li class=\"{}\" style=\"--c: var(--{})\">{}</li>", e.kind, e.colour, text);
   }
   return html + "</ul>\n";
 }
@@ -353,18 +379,35 @@ std::string Panel(const std::string& chart, const std::string& title, const std:
   return fmt::format(
       "<section class=\"panel\"><h3>{}</h3>\n{}<div class=\"chart\" style=\"height: {}px\"><canvas data-chart=\"{}\" "
       "role=\"img\" aria-label=\"{}\"></canvas></div></section>\n",
-      Escape(title), Key(key), height_px, chart, Escape(title));
+      Escape(title), key.empty() ? "" : Key(key, chart), height_px, chart, Escape(title));
+}
+
+/// Length over width of the true path, seen from above.
+double Elongation(const Trajectory& truth) {
+  Eigen::Array2d low = Eigen::Array2d::Constant(1e300), high = -low;
+  for (const StampedPose& p : truth) {
+    low = low.min(p.pose.translation.head<2>().array());
+    high = high.max(p.pose.translation.head<2>().array());
+  }
+  return (high.x() - low.x()) / std::max(high.y() - low.y(), 1e-3);
 }
 
 std::string Paths(const ReportInput& input) {
   if (input.truth.empty()) return {};
-  std::vector<KeyEntry> key = {{"truth", "truth (circle: start, diamond: end)", ""}};
+  std::vector<KeyEntry> key = {{"truth", "truth (circle: start, diamond: end)"}};
+  std::string heading;
   if (input.scores) {
-    key.push_back({"sim3", "estimate after Sim(3) alignment", ""});
-    key.push_back({"se3", "after SE(3) alignment", "dashed"});
+    key.push_back({"sim3", "estimate after Sim(3) alignment", "", "sim3"});
+    key.push_back({"se3", "after SE(3) alignment", "dashed", "se3"});
+    heading = Panel("heading", "Turned about the vertical", {{"truth", "truth"}, {"sim3", "estimate"}}, 165);
   }
-  return "<h2>Path</h2>\n<div class=\"grid two\">\n" + Panel("top", "From above", key, 400) +
-         Panel("side", "From the side", key, 400) + "</div>\n";
+  const std::string head = "<h2>Path</h2>\n" + Key(key, "top side");
+  if (Elongation(input.truth) > 3) {
+    return head + Panel("top", "From above", {}, 220) + "<div class=\"grid halves\">\n" +
+           Panel("side", "From the side", {}, 180) + heading + "</div>\n";
+  }
+  return head + "<div class=\"grid two\">\n" + Panel("top", "From above", {}, heading.empty() ? 320 : 405) + "<div>\n" +
+         Panel("side", "From the side", {}, heading.empty() ? 320 : 138) + heading + "</div></div>\n";
 }
 
 std::string OverTime(const ReportInput& input) {
@@ -381,20 +424,22 @@ std::string OverTime(const ReportInput& input) {
     return key;
   };
   if (input.scores) {
-    html +=
-        Panel("error", "Position error",
-              with_shades({{"sim3", "after Sim(3) alignment", ""}, {"se3", "after SE(3) alignment", "dashed"}}), 230);
-    html += Panel("rotation", "Rotation error", with_shades({{"purple", "after alignment", ""}}), 180);
+    html += Panel("error", "Position error",
+                  with_shades({{"sim3", "after Sim(3) alignment", "", "sim3"},
+                               {"se3", "after SE(3) alignment", "dashed", "se3"}}),
+                  230);
+    html += Panel("rotation", "Rotation error", with_shades({{"purple", "after alignment"}}), 180);
   }
   if (!input.frames.empty()) {
-    html += Panel(
-        "blur", "Motion blur: how far image points move during the exposure",
-        with_shades({{"sim3", "median over the image", ""}, {"green", "90th percentile", ""}, {"se3", "largest", ""}}),
-        220);
-    html += Panel("inliers", "What the system found", with_shades({{"sim3", "inliers", ""}, {"green", "features", ""}}),
-                  200);
+    html += Panel("blur", "Motion blur: how far image points move during the exposure",
+                  with_shades({{"sim3", "median over the image", "", "median"},
+                               {"green", "90th percentile", "", "p90"},
+                               {"se3", "largest", "", "max"}}),
+                  220);
+    html += Panel("inliers", "What the system found",
+                  with_shades({{"sim3", "inliers", "", "inliers"}, {"green", "features", "", "features"}}), 200);
   }
-  if (HasGait(input)) html += Panel("gait", "Feet on the floor", {{"sim3", "left", ""}, {"se3", "right", ""}}, 120);
+  if (HasGait(input)) html += Panel("gait", "Feet on the floor", {{"sim3", "left"}, {"se3", "right"}}, 120);
   return input.scores || !input.frames.empty() ? html : std::string();
 }
 

@@ -43,8 +43,8 @@ h3 { font-size: .95rem; font-weight: 600; margin: 0; }
 .banner.bad b { color: var(--bad); }
 .banner.warn { border-color: var(--warn); background: var(--warn-soft); }
 .banner.warn b { color: var(--warn); }
-.cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: .75rem; margin: 1.25rem 0 0; padding: 0; }
-@media (min-width: 1000px) { .cards { grid-template-columns: repeat(4, 1fr); } }
+.cards { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: .75rem; margin: 1.25rem 0 0; padding: 0; }
+@media (min-width: 760px) { .cards { grid-template-columns: repeat(4, minmax(0, 1fr)); } }
 .cards div, .panel { background: var(--card); border: 1px solid var(--line); border-radius: 12px; }
 .cards div { padding: .85rem 1rem .8rem; display: flex; flex-direction: column; }
 .cards dt { color: var(--muted); font-size: .82rem; }
@@ -55,10 +55,20 @@ h3 { font-size: .95rem; font-weight: 600; margin: 0; }
 .panel { padding: 1rem 1.1rem; margin: 0; }
 .panel + .panel { margin-top: .75rem; }
 .grid { display: grid; gap: .75rem; grid-template-columns: minmax(0, 1fr); }
-.grid .panel + .panel { margin-top: 0; }
-@media (min-width: 860px) { .grid.two { grid-template-columns: minmax(0, 3fr) minmax(0, 2fr); } }
+.grid > .panel + .panel { margin-top: 0; }
+.grid.halves { margin-top: .75rem; }
+@media (min-width: 860px) {
+  .grid.two { grid-template-columns: minmax(0, 3fr) minmax(0, 2fr); }
+  .grid.halves { grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); }
+}
 .chart { position: relative; margin-top: .5rem; }
 .key { display: flex; flex-wrap: wrap; gap: .1rem 1.1rem; list-style: none; margin: .3rem 0 0; padding: 0; font-size: .82rem; color: var(--muted); }
+h2 + .key { margin: -.3rem 0 .7rem; }
+.key button { all: unset; cursor: pointer; }
+.key button:hover { color: var(--ink); }
+.key button:focus-visible { outline: 2px solid var(--sim3); outline-offset: 2px; border-radius: 3px; }
+.key button[aria-pressed="false"] { text-decoration: line-through; opacity: .65; }
+.key button[aria-pressed="false"]::after { content: " (show)"; display: inline-block; white-space: pre; text-decoration: none; }
 .key li::before { content: ""; display: inline-block; width: 1.3em; border-top: 3px solid var(--c); vertical-align: .28em; margin-right: .45em; }
 .key li.dashed::before { border-top-style: dashed; }
 .key li.area::before { height: .85em; border: 0; background: var(--c); vertical-align: -.1em; border-radius: 2px; }
@@ -150,15 +160,17 @@ const timePlugin = {
   },
 };
 
-function line(label, colour, points, more) {
-  return Object.assign({label, data: points, borderColor: css(colour), backgroundColor: css(colour), borderWidth: 1.8,
+// `id` is what a key's button names.
+function line(id, label, colour, points, more) {
+  return Object.assign({id, label, data: points, borderColor: css(colour), backgroundColor: css(colour), borderWidth: 1.8,
     pointRadius: 0, pointHitRadius: 6, pointHoverRadius: 3, tension: 0, spanGaps: false, borderJoinStyle: 'round'}, more);
 }
 
 function axis(text, more) {
   return Object.assign({type: 'linear', title: {display: true, text, color: css('muted'), font: {size: 12}},
     grid: {color: css('grid'), borderColor: css('grid'), drawTicks: false},
-    ticks: {color: css('muted'), padding: 6, font: {size: 11}, maxRotation: 0, autoSkipPadding: 18}}, more);
+    ticks: {color: css('muted'), padding: 6, font: {size: 11}, maxRotation: 0, autoSkipPadding: 18,
+      includeBounds: false, callback: value => +value.toPrecision(6)}}, more);
 }
 
 function options(x, y, more) {
@@ -196,39 +208,44 @@ function equalAspect(chart, box) {
   }
 }
 
-function path(canvas, view) {
-  const p = data.path, h = view.horizontal, v = view.vertical, datasets = [], box = {x0: 1 / 0, x1: -1 / 0, y0: 1 / 0, y1: -1 / 0};
+const hidden = {se3: !!(data.error && data.error.hide_se3)};  // by the reader, or because it would dwarf the rest
+
+// The part of the world that a path chart shows: the truth, and the estimates as far as they do not dwarf it.
+function pathBox(h, v) {
+  const p = data.path, box = {x0: 1 / 0, x1: -1 / 0, y0: 1 / 0, y1: -1 / 0};
   const grow = s => range(s[h].length).forEach(i => {
     if (s[h][i] === null) return;
     box.x0 = Math.min(box.x0, s[h][i]); box.x1 = Math.max(box.x1, s[h][i]);
     box.y0 = Math.min(box.y0, s[v][i]); box.y1 = Math.max(box.y1, s[v][i]);
   });
   grow(p.truth);
-  // An estimate that leaves the truth far behind must not shrink it to a dot.
-  const reach = 1.5 * Math.max(box.x1 - box.x0, box.y1 - box.y0, 0.1), limit = Object.assign({}, box);
+  const limit = Object.assign({}, box), reach = 1.5 * Math.max(box.x1 - box.x0, box.y1 - box.y0, 0.1);
+  for (const id of ['sim3', 'se3']) if (p[id] && !hidden[id]) grow(p[id]);
+  return {x0: Math.max(box.x0, limit.x0 - reach), x1: Math.min(box.x1, limit.x1 + reach),
+    y0: Math.max(box.y0, limit.y0 - reach), y1: Math.min(box.y1, limit.y1 + reach)};
+}
+
+function path(canvas, view) {
+  const p = data.path, h = view.horizontal, v = view.vertical, datasets = [];
   if (p.sim3) {
-    grow(p.sim3); grow(p.se3);
-    box.x0 = Math.max(box.x0, limit.x0 - reach); box.x1 = Math.min(box.x1, limit.x1 + reach);
-    box.y0 = Math.max(box.y0, limit.y0 - reach); box.y1 = Math.min(box.y1, limit.y1 + reach);
-    datasets.push(line('estimate, Sim(3)', 'sim3', xy(p.sim3[h], p.sim3[v]), {borderWidth: 2}));
-    datasets.push(line('estimate, SE(3)', 'se3', xy(p.se3[h], p.se3[v]), {borderWidth: 1.6, borderDash: [5, 4]}));
+    datasets.push(line('sim3', 'estimate, Sim(3)', 'sim3', xy(p.sim3[h], p.sim3[v]), {borderWidth: 2}));
+    datasets.push(line('se3', 'estimate, SE(3)', 'se3', xy(p.se3[h], p.se3[v]), {borderWidth: 1.6, borderDash: [5, 4]}));
   }
   const last = p.truth[h].length - 1;
-  datasets.push({label: 'start', type: 'scatter', data: [{x: p.truth[h][0], y: p.truth[v][0]}], pointStyle: 'circle', pointRadius: 5,
-    pointHitRadius: 0, backgroundColor: css('card'), borderColor: css('truth'), borderWidth: 2, order: -2});
-  datasets.push({label: 'end', type: 'scatter', data: [{x: p.truth[h][last], y: p.truth[v][last]}], pointStyle: 'rectRot', pointRadius: 6,
-    pointHitRadius: 0, backgroundColor: css('truth'), borderColor: css('card'), borderWidth: 1.5, order: -1});
-  datasets.push(line('truth', 'truth', xy(p.truth[h], p.truth[v]), {borderWidth: 3.2, order: 9}));
+  const mark = (label, i, more) => datasets.push(Object.assign({label, type: 'scatter', pointHitRadius: 0,
+    data: [{x: p.truth[h][i], y: p.truth[v][i]}]}, more));
+  mark('start', 0, {pointStyle: 'circle', pointRadius: 7, backgroundColor: css('card'), borderColor: css('truth'), borderWidth: 2, order: -1});
+  mark('end', last, {pointStyle: 'rectRot', pointRadius: 5, backgroundColor: css('truth'), borderColor: css('card'), borderWidth: 1.5, order: -2});
+  datasets.push(line('truth', 'truth', 'truth', xy(p.truth[h], p.truth[v]), {borderWidth: 3.2, order: 9}));
   const title = n => ({x: 'x forward, m', y: 'y left, m', z: 'z up, m'}[n]);
-  const o = options(axis(title(h)), axis(title(v)), {parsing: true, normalized: false});  // x does not increase along a path
+  // x does not increase along a path, so Chart.js must look at the data itself.
+  const o = options(axis(title(h)), axis(title(v), {afterFit: s => { s.width = 58; }}), {parsing: true, normalized: false});
   o.interaction = {mode: 'nearest', axis: 'xy', intersect: false};
   o.plugins.tooltip.callbacks.label = i => ' ' + i.dataset.label + ': ' + h + ' ' + i.parsed.x.toFixed(3) + ' m, ' + v + ' ' + i.parsed.y.toFixed(3) + ' m';
   o.plugins.tooltip.callbacks.title = () => '';
-  const round = value => +value.toPrecision(6);
-  for (const s of ['x', 'y']) o.scales[s].ticks.includeBounds = false, o.scales[s].ticks.callback = round;
-  o.onResize = chart => setTimeout(() => equalAspect(chart, box), 0);
+  o.onResize = chart => setTimeout(() => equalAspect(chart, pathBox(h, v)), 0);
   const chart = new Chart(canvas, {type: 'line', data: {datasets}, options: o});
-  equalAspect(chart, box);
+  chart.gaitcamFit = () => equalAspect(chart, pathBox(h, v));
   return chart;
 }
 
@@ -236,18 +253,21 @@ const drawers = {
   top: canvas => path(canvas, {horizontal: 'x', vertical: 'y'}),
   side: canvas => path(canvas, {horizontal: data.path.side_axis, vertical: 'z'}),
   error: canvas => overTime(canvas, [
-    line('Sim(3)', 'sim3', xy(data.error.t, data.error.sim3)),
-    line('SE(3)', 'se3', xy(data.error.t, data.error.se3), {borderDash: [5, 4]})], 'position error, m', 'm'),
-  rotation: canvas => overTime(canvas, [line('rotation', 'purple', xy(data.error.t, data.error.rot))], 'rotation error, °', '°'),
+    line('sim3', 'Sim(3)', 'sim3', xy(data.error.t, data.error.sim3)),
+    line('se3', 'SE(3)', 'se3', xy(data.error.t, data.error.se3), {borderDash: [5, 4]})], 'position error, m', 'm'),
+  rotation: canvas => overTime(canvas, [line('rotation', 'rotation', 'purple', xy(data.error.t, data.error.rot))], 'rotation error, °', '°'),
+  heading: canvas => overTime(canvas, [
+    line('estimate', 'estimate', 'sim3', xy(data.heading.t, data.heading.estimate)),
+    line('truth', 'truth', 'truth', xy(data.heading.t, data.heading.truth), {borderWidth: 3.2, order: 9})], 'turned left, °', '°', {beginAtZero: false}),
   blur: canvas => overTime(canvas, [
-    line('median', 'sim3', xy(data.frames.t, data.frames.blur_median)),
-    line('90 %', 'green', xy(data.frames.t, data.frames.blur_p90), {borderWidth: 1.4}),
-    line('largest', 'se3', xy(data.frames.t, data.frames.blur_max), {borderWidth: 1})], 'blur extent, px', 'px'),
+    line('median', 'median', 'sim3', xy(data.frames.t, data.frames.blur_median)),
+    line('p90', '90 %', 'green', xy(data.frames.t, data.frames.blur_p90), {borderWidth: 1.4}),
+    line('max', 'largest', 'se3', xy(data.frames.t, data.frames.blur_max), {borderWidth: 1})], 'blur extent, px', 'px'),
   inliers: canvas => overTime(canvas, [
-    line('inliers', 'sim3', xy(data.frames.t, data.frames.inliers)),
-    line('features', 'green', xy(data.frames.t, data.frames.features), {borderWidth: 1.2})], 'points per frame', ''),
+    line('inliers', 'inliers', 'sim3', xy(data.frames.t, data.frames.inliers)),
+    line('features', 'features', 'green', xy(data.frames.t, data.frames.features), {borderWidth: 1.2})], 'points per frame', ''),
   gait: canvas => {
-    const rows = data.gait.rows.map(row => line(row.name, row.colour, row.points, {borderWidth: 14, borderCapStyle: 'butt', pointHitRadius: 0}));
+    const rows = data.gait.rows.map(row => line(row.name, row.name, row.colour, row.points, {borderWidth: 14, borderCapStyle: 'butt', pointHitRadius: 0}));
     const chart = overTime(canvas, rows, '', '', {min: 0.3, max: 2.7, grid: {display: false, drawBorder: false}, title: {display: false},
       afterBuildTicks: s => { s.ticks = [{value: 1}, {value: 2}]; },
       ticks: {color: css('muted'), font: {size: 11}, callback: v => ({1: 'right', 2: 'left'}[v])}});
@@ -268,6 +288,22 @@ function showsData(chart) {
   return opaque > 30;
 }
 
+function applyHidden(chart) {
+  chart.data.datasets.forEach((d, i) => { if (d.id) chart.setDatasetVisibility(i, !hidden[d.id]); });
+  chart.update('none');
+  if (chart.gaitcamFit) chart.gaitcamFit();
+}
+
+// A series hidden in one chart is hidden in all.
+const buttons = document.querySelectorAll('.key button');
+const showPressed = () => buttons.forEach(b => b.setAttribute('aria-pressed', String(!hidden[b.dataset.series])));
+buttons.forEach(button => button.addEventListener('click', () => {
+  hidden[button.dataset.series] = !hidden[button.dataset.series];
+  charts.forEach(applyHidden);
+  showPressed();
+}));
+showPressed();
+
 function draw() {
   Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
   while (charts.length) charts.pop().destroy();
@@ -276,6 +312,7 @@ function draw() {
   for (const canvas of canvases) {
     const chart = drawers[canvas.dataset.chart](canvas);
     charts.push(chart);
+    applyHidden(chart);
     canvas.dataset.drawn = showsData(chart) ? 'yes' : 'no';
     if (canvas.dataset.drawn === 'yes') ++drawn;
   }

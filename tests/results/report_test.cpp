@@ -182,8 +182,8 @@ TEST(Report, ABrowserDrawsEveryChartAndDoesNotComplain) {
   WriteReport(page, run.input);
   const Browsed browsed = Browse(page, "--dump-dom");
   EXPECT_EQ(browsed.complaints, "");
-  EXPECT_EQ(Attribute(browsed.dom, "data-charts"), "7");  // two paths, two errors, blur, inliers, feet
-  EXPECT_EQ(Attribute(browsed.dom, "data-charts-drawn"), "7");
+  EXPECT_EQ(Attribute(browsed.dom, "data-charts"), "8");  // two paths, heading, two errors, blur, inliers, feet
+  EXPECT_EQ(Attribute(browsed.dom, "data-charts-drawn"), "8");
 }
 
 }  // namespace
