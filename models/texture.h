@@ -1,7 +1,7 @@
 /// Textures made from a seed: floors, walls, posters and furniture that look like real ones to a feature detector.
 ///
-/// Every texture shows something of a real size, so sizes are metres and resolution is pixels per metre. Floors, walls and
-/// plain surfaces wrap around without a seam; pictures (posters, books) do not.
+/// Every texture shows something of a real size, so sizes are metres and resolution is pixels per metre. Floors, walls
+/// and plain surfaces wrap around without a seam; pictures (posters, books) do not.
 
 #pragma once
 
@@ -24,13 +24,13 @@ struct TextureOptions {
   using DescribedTag = void;
 
   std::string kind = "planks";
-  Eigen::Vector2d size_m{0, 0};       ///< Width and height of one repeat, or of the whole picture.
-  double px_per_m = 0;                ///< Resolution.
-  double unit_m = 0;                  ///< Width of a board, edge of a tile, largest chip, largest leaf, height of a letter.
-  double contrast = 1;                ///< Factor on the variation around the mean colour.
-  Eigen::Vector3d rgb{-1, -1, -1};    ///< Mean colour, display values 0..1; negative: as is usual for this kind.
+  Eigen::Vector2d size_m{0, 0};  ///< Width and height of one repeat, or of the whole picture.
+  double px_per_m = 0;           ///< Resolution.
+  double unit_m = 0;             ///< Width of a board, edge of a tile, largest chip, largest leaf, height of a letter.
+  double contrast = 1;           ///< Factor on the variation around the mean colour.
+  Eigen::Vector3d rgb{-1, -1, -1};  ///< Mean colour, display values 0..1; negative: as is usual for this kind.
   uint64_t seed = 0;
-  std::string file;                   ///< Kind `image` only: the user's picture, relative to the place's folder.
+  std::string file;  ///< Kind `image` only: the user's picture, relative to the place's folder.
 };
 
 template <class Visitor>
@@ -49,7 +49,8 @@ void VisitFields(Visitor& visit, TextureOptions& o) {
 /// @throws BadOption naming field, value and range; also if the picture would have more than 64 million pixels.
 TextureOptions CompleteTexture(TextureOptions options);
 
-/// Makes the picture of completed options: CV_8UC3, display (sRGB) values, row 0 on top, bit-identical for equal options.
+/// Makes the picture of completed options: CV_8UC3, display (sRGB) values, row 0 on top, bit-identical for equal
+/// options.
 /// @throws BadInput for the kind `image` if the file is missing or is no picture.
 cv::Mat MakeTexture(const TextureOptions& options, const std::filesystem::path& folder = {});
 

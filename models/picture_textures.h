@@ -1,0 +1,16 @@
+/// Pictures for posters: content with the statistics of natural images. They do not wrap around.
+
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "algorithms/core/random.h"
+#include "models/texture.h"
+
+namespace gaitcam {
+
+/// Opaque discs that hide each other, radii with density r^-3 from 1.5 px to `unit_m`: the occlusions, scale invariance
+/// and 1/f amplitude spectrum of natural images (Lee, Mumford and Huang, "Occlusion models for natural images", 2001).
+cv::Mat MakeDeadLeaves(const TextureOptions& options, cv::Size size, RandomStream& random);
+
+}  // namespace gaitcam
