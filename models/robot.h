@@ -68,17 +68,22 @@ void VisitFields(Visitor& visit, ServoOptions& o) {
   visit("friction", o.friction, AtLeast(0), "dry friction, N m");
 }
 
-/// How an omni base follows its targets for x, y and yaw: as a damped oscillator, whatever it weighs.
+/// How an omni base follows its targets for x, y and yaw, and how it rocks on its wheels: damped oscillators, whatever
+/// it weighs. Stiffness is m (2 pi f)^2, damping 2 zeta m (2 pi f), with inertia for m where it turns.
 struct DriveOptions {
   using DescribedTag = void;
-  double frequency_hz = 5;   ///< Undamped natural frequency f: stiffness is m (2 pi f)^2.
-  double damping_ratio = 1;  ///< zeta: damping is 2 zeta m (2 pi f).
+  double frequency_hz = 5;   ///< f of following x, y and yaw.
+  double damping_ratio = 1;  ///< zeta; 1 is critical.
+  double rocking_hz = 15;    ///< f of pitch and roll.
+  double rocking_damping_ratio = 0.2;
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, DriveOptions& o) {
-  visit("frequency_hz", o.frequency_hz, Between(0.1, 50.0), "natural frequency of following a target");
+  visit("frequency_hz", o.frequency_hz, Between(0.1, 50.0), "natural frequency of following x, y and yaw");
   visit("damping_ratio", o.damping_ratio, Between(0.1, 5.0), "of following a target; 1 is critical");
+  visit("rocking_hz", o.rocking_hz, Between(1.0, 60.0), "natural frequency of pitch and roll on the wheels");
+  visit("rocking_damping_ratio", o.rocking_damping_ratio, Between(0.01, 5.0), "of pitch and roll");
 }
 
 /// Six joints from hip to ankle, in the order yaw, roll, pitch, knee, ankle pitch, ankle roll.

@@ -235,7 +235,8 @@ class MjcfWriter {
     } else {
       bodies_ +=
           "<joint name='drive_x' type='slide' axis='1 0 0'/><joint name='drive_y' type='slide' axis='0 1 0'/>"
-          "<joint name='drive_yaw' type='hinge' axis='0 0 1'/>\n";
+          "<joint name='drive_yaw' type='hinge' axis='0 0 1'/><joint name='drive_pitch' type='hinge' axis='0 1 0'/>"
+          "<joint name='drive_roll' type='hinge' axis='1 0 0'/>\n";
     }
   }
 
@@ -316,24 +317,32 @@ class MjcfWriter {
                  fmt::format("forcerange='{} {}'", -servo.torque_limit, servo.torque_limit));
     }
     if (robot_.kind != Robot::Kind::kOmniBase) return;
-    const double omega = 2 * std::numbers::pi * robot_.drive.frequency_hz;
-    const double stiffness = omega * omega, damping = 2 * robot_.drive.damping_ratio * omega;
-    const double mass = robot_.TotalMass(), inertia = YawInertia();
-    WriteServo("drive_x", "drive_x", mass * stiffness, mass * damping, "");
-    WriteServo("drive_y", "drive_y", mass * stiffness, mass * damping, "");
-    WriteServo("drive_yaw", "drive_yaw", inertia * stiffness, inertia * damping, "");
+    const double mass = robot_.TotalMass();
+    const Eigen::Vector3d inertia = RootInertia();
+    const DriveOptions& drive = robot_.drive;
+    WriteOscillator("drive_x", mass, drive.frequency_hz, drive.damping_ratio);
+    WriteOscillator("drive_y", mass, drive.frequency_hz, drive.damping_ratio);
+    WriteOscillator("drive_yaw", inertia.z(), drive.frequency_hz, drive.damping_ratio);
+    WriteOscillator("drive_pitch", inertia.y(), drive.rocking_hz, drive.rocking_damping_ratio);
+    WriteOscillator("drive_roll", inertia.x(), drive.rocking_hz, drive.rocking_damping_ratio);
   }
 
-  /// Of the whole robot about the root's z axis with all joints at zero, kg m^2.
-  double YawInertia() const {
+  void WriteOscillator(const std::string& joint, double inertia, double frequency_hz, double damping_ratio) {
+    const double omega = 2 * std::numbers::pi * frequency_hz;
+    WriteServo(joint, joint, inertia * omega * omega, 2 * damping_ratio * inertia * omega, "");
+  }
+
+  /// Moments of inertia of the whole robot about the root's axes with all joints at zero, kg m^2.
+  Eigen::Vector3d RootInertia() const {
     const std::vector<Pose> poses = LinkPoses(robot_, std::vector<double>(robot_.joints.size(), 0.0));
-    double sum = 0;
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (size_t i = 0; i < poses.size(); ++i) {
       const RobotLink& link = robot_.links[i];
-      sum += (poses[i].R() * link.inertia * poses[i].R().transpose())(2, 2);
-      sum += link.mass_kg * (poses[i] * link.com).head<2>().squaredNorm();
+      const Eigen::Vector3d p = poses[i] * link.com;
+      sum += poses[i].R() * link.inertia * poses[i].R().transpose();
+      sum += link.mass_kg * (p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose());
     }
-    return sum;
+    return sum.diagonal();
   }
 
   const Robot& robot_;

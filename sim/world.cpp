@@ -91,7 +91,8 @@ void World::FindAddresses() {
     actuator_.push_back(moves ? Id(m, mjOBJ_ACTUATOR, "servo_" + joint.name) : -1);
   }
   if (robot_.kind == Robot::Kind::kOmniBase) {
-    for (const char* name : {"drive_x", "drive_y", "drive_yaw"}) actuator_.push_back(Id(m, mjOBJ_ACTUATOR, name));
+    for (const char* name : {"drive_x", "drive_y", "drive_yaw", "drive_pitch", "drive_roll"})
+      actuator_.push_back(Id(m, mjOBJ_ACTUATOR, name));
   } else {
     for (int side = 0; side < 2; ++side) {
       foot_body_[side] = Id(m, mjOBJ_BODY, robot_.links[robot_.legs[side].foot_link].name);
@@ -147,9 +148,9 @@ void World::Place(const Pose& X_WB, const std::vector<double>& joint_positions) 
     const double free_joint[7] = {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
     std::copy(free_joint, free_joint + 7, d->qpos);
   } else {
-    const double drive[3] = {X_WB.translation.x(), X_WB.translation.y(), X_WB.Yaw()};
-    std::copy(drive, drive + 3, d->qpos);
-    targets.insert(targets.end(), drive, drive + 3);
+    const double drive[5] = {X_WB.translation.x(), X_WB.translation.y(), X_WB.Yaw(), 0, 0};
+    std::copy(drive, drive + 5, d->qpos);
+    targets.insert(targets.end(), drive, drive + 5);
   }
   for (size_t i = 0; i < joint_positions.size(); ++i) {
     if (qpos_address_[i] >= 0) d->qpos[qpos_address_[i]] = joint_positions[i];
@@ -223,7 +224,7 @@ void World::ReadContacts() {
 Pose World::X_WB() const {
   const double* q = data_->qpos;
   if (robot_.kind == Robot::Kind::kOmniBase) {
-    return {RotZ(q[2]), Eigen::Vector3d(q[0], q[1], robot_.base_height_m)};
+    return {Eigen::Matrix3d(RotZ(q[2]) * RotY(q[3]) * RotX(q[4])), Eigen::Vector3d(q[0], q[1], robot_.base_height_m)};
   }
   return {Eigen::Quaterniond(q[3], q[4], q[5], q[6]), Eigen::Vector3d(q[0], q[1], q[2])};
 }

@@ -85,10 +85,10 @@ struct WorldCamera {
 };
 
 /// Names in the model: bodies and joints as in the URDF, `servo_JOINT`, `floor`, `box0`, `box1`, ..., the cameras' own,
-/// the site `imu` with sensors `gyro` and `accelerometer`; of an omni base, joints and actuators `drive_x`, `drive_y`,
-/// `drive_yaw`. Visible shapes are in geom groups 0 (place) and 1 (robot); shapes that only collide in group 3, which
-/// is not drawn by default. The robot collides with the place, not with itself. Floor and boxes decide the friction of
-/// contacts.
+/// the site `imu` with sensors `gyro` and `accelerometer`. An omni base has joints and actuators `drive_x`, `drive_y`,
+/// `drive_yaw`, `drive_pitch` and `drive_roll` between world and root. Visible shapes are in geom groups 0 (place) and
+/// 1 (robot); shapes that only collide in group 3, which is not drawn by default. The robot collides with the place,
+/// not with itself. Floor and boxes decide the friction of contacts.
 /// @throws BadInput if the place has more textures than MuJoCo can draw, or a mesh file cannot be read.
 MjcfBundle BuildMjcf(const Robot& robot, const Place& place, const PhysicsOptions& physics,
                      const std::vector<WorldCamera>& cameras);
@@ -122,7 +122,7 @@ class World {
   /// Puts the robot's root at a pose with its joints at given positions (order of Robot::joints, fixed ones included),
   /// at rest, at time 0, and the servos' targets likewise. Of an omni base, only x, y and yaw of the pose count.
   void Place(const Pose& X_WB, const std::vector<double>& joint_positions);
-  /// How many targets SetTargets expects: one per joint of Robot::joints, and for an omni base three more.
+  /// How many targets SetTargets expects: one per joint of Robot::joints, and for an omni base five more.
   size_t target_count() const { return actuator_.size(); }
   /// Servo targets, in the order of Robot::joints (fixed ones ignored); for an omni base, followed by x, y (m) and yaw
   /// (rad, not wrapped) of the base in the world.

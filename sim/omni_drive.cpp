@@ -1,0 +1,165 @@
+#include "sim/omni_drive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+
+using std::numbers::pi;
+
+// Speed v (1 - cos(pi t / T)) / 2 during a ramp of T = pi v / (2 a): its steepest slope is a, its way v T / 2.
+SmoothProfile::SmoothProfile(double distance, double speed, double acceleration) : distance_(distance) {
+  speed_ = std::min(speed, std::sqrt(2 * acceleration * distance / pi));  // too short a way for the full speed
+  if (!(speed_ > 0)) return;
+  ramp_s_ = pi * speed_ / (2 * acceleration);
+  cruise_s_ = std::max(0.0, distance / speed_ - ramp_s_);
+}
+
+double SmoothProfile::RampPosition(double t) const {
+  return 0.5 * speed_ * (t - ramp_s_ / pi * std::sin(pi * t / ramp_s_));
+}
+
+double SmoothProfile::Position(double t) const {
+  if (t <= 0) return 0;
+  if (t >= duration_s()) return distance_;
+  if (t < ramp_s_) return RampPosition(t);
+  if (t < ramp_s_ + cruise_s_) return 0.5 * speed_ * ramp_s_ + speed_ * (t - ramp_s_);
+  return distance_ - RampPosition(duration_s() - t);
+}
+
+double SmoothProfile::Speed(double t) const {
+  const double into = std::min(t, duration_s() - t);
+  if (into <= 0) return 0;
+  return into >= ramp_s_ ? speed_ : 0.5 * speed_ * (1 - std::cos(pi * into / ramp_s_));
+}
+
+namespace {
+
+/// Segments that are driven without a stop, or one turn on the spot.
+struct Stretch {
+  std::vector<PathSegment> segments;
+  SmoothProfile profile;
+};
+
+std::vector<Stretch> PlanStretches(const Path& path, const OmniDriveOptions& options) {
+  std::vector<Stretch> stretches;
+  for (const PathSegment& segment : path.segments()) {
+    const bool goes_on =
+        !stretches.empty() && !segment.IsTurnOnTheSpot() && !stretches.back().segments.back().IsTurnOnTheSpot();
+    if (!goes_on) stretches.emplace_back();
+    stretches.back().segments.push_back(segment);
+  }
+  for (Stretch& stretch : stretches) {
+    double length = 0;
+    for (const PathSegment& segment : stretch.segments) length += segment.length_m;
+    const double turn = std::abs(stretch.segments[0].turn_rad);
+    stretch.profile = length > 0 ? SmoothProfile(length, options.speed_mps, options.acceleration_mps2)
+                                 : SmoothProfile(turn, options.turn_rate_rad_s, options.turn_acceleration_rad_s2);
+  }
+  return stretches;
+}
+
+struct Reference {
+  PlanarPose pose;
+  double speed_ratio = 0;  ///< Of the greatest speed along the path.
+};
+
+class OmniDrive : public Controller {
+ public:
+  OmniDrive(const Robot& robot, const OmniDriveOptions& options, const PathOptions& path_options, const Pose& start)
+      : robot_(robot), options_(options), path_options_(path_options), path_(path_options, start) {
+    CheckFields(options, "drive.");
+    stretches_ = PlanStretches(path_, options);
+    for (const Stretch& stretch : stretches_) moving_s_ += stretch.profile.duration_s();
+    if (stretches_.empty()) moving_s_ = path_options.duration_s;
+    // A damped servo trails a moving target by damping / stiffness: 2 zeta / omega seconds. It is told that much ahead.
+    lead_s_ = 2 * robot.drive.damping_ratio / (2 * pi * robot.drive.frequency_hz);
+    targets_.assign(robot.joints.size() + 5, 0.0);
+  }
+
+  std::vector<double> InitialJoints() const override {
+    std::vector<double> joints(robot_.joints.size(), 0.0);
+    if (robot_.neck_tilt >= 0) joints[size_t(robot_.neck_tilt)] = path_options_.head_tilt_rad;
+    return joints;
+  }
+
+  Pose InitialRoot() const override { return path_.start().Lifted(robot_.base_height_m); }
+
+  const std::vector<double>& Update(const ControlInput& input) override {
+    time_s_ = 1e-9 * double(input.stamp_ns);
+    const std::vector<double> joints = InitialJoints();
+    std::copy(joints.begin(), joints.end(), targets_.begin());
+    PanNeck();
+    const Reference ahead = At(time_s_ + lead_s_);
+    const size_t n = robot_.joints.size();
+    targets_[n] = ahead.pose.position.x();
+    targets_[n + 1] = ahead.pose.position.y();
+    targets_[n + 2] = ahead.pose.heading;
+    const double amplitude = options_.vibration_amplitude_rad * ahead.speed_ratio;
+    const double phase = 2 * pi * options_.vibration_hz * time_s_;
+    targets_[n + 3] = amplitude * std::sin(phase);
+    targets_[n + 4] = amplitude * std::sin(0.83 * phase);
+    return targets_;
+  }
+
+  GaitState gait() const override { return {}; }
+  bool Finished() const override { return time_s_ >= duration_s(); }
+  double duration_s() const { return moving_s_ + 2 * path_options_.settle_s; }
+
+ private:
+  void PanNeck() {
+    const double t = time_s_ - path_options_.settle_s;
+    if (path_options_.kind != "stand" || robot_.neck_pan < 0 || t < 0 || t > moving_s_) return;
+    targets_[size_t(robot_.neck_pan)] =
+        path_options_.pan_amplitude_rad * std::sin(2 * pi * t / path_options_.pan_period_s);
+  }
+
+  Reference At(double time) const {
+    double t = time - path_options_.settle_s;
+    if (stretches_.empty() || t <= 0) return {path_.start(), 0};
+    for (const Stretch& stretch : stretches_) {
+      if (t < stretch.profile.duration_s()) return On(stretch, t);
+      t -= stretch.profile.duration_s();
+    }
+    return {path_.goal(), 0};
+  }
+
+  Reference On(const Stretch& stretch, double t) const {
+    double s = stretch.profile.Position(t);
+    const PathSegment& first = stretch.segments[0];
+    if (first.IsTurnOnTheSpot()) {
+      return {PlanarPose(first.start.position, first.start.heading + std::copysign(s, first.turn_rad)), 0};
+    }
+    const double ratio = stretch.profile.Speed(t) / options_.speed_mps;
+    for (const PathSegment& segment : stretch.segments) {
+      if (s <= segment.length_m || &segment == &stretch.segments.back()) return {segment.At(s), ratio};
+      s -= segment.length_m;
+    }
+    return {stretch.segments.back().end(), ratio};
+  }
+
+  Robot robot_;
+  OmniDriveOptions options_;
+  PathOptions path_options_;
+  Path path_;
+  std::vector<Stretch> stretches_;
+  std::vector<double> targets_;
+  double moving_s_ = 0, lead_s_ = 0, time_s_ = 0;
+};
+
+}  // namespace
+
+double EstimateDrivingTime(const OmniDriveOptions& options, const PathOptions& path) {
+  return OmniDrive(Robot{}, options, path, Pose()).duration_s();
+}
+
+std::unique_ptr<Controller> MakeOmniDrive(const Robot& robot, const OmniDriveOptions& options, const PathOptions& path,
+                                          const Pose& start) {
+  GAITCAM_ASSERT(robot.kind == Robot::Kind::kOmniBase);
+  return std::make_unique<OmniDrive>(robot, options, path, start);
+}
+
+}  // namespace gaitcam
