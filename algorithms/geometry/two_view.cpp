@@ -63,31 +63,54 @@ Motion ChooseByDepth(const Eigen::Matrix3d& E, const std::vector<PointPair>& pai
   return best;
 }
 
-/// One Gauss-Newton step on the inliers' Sampson errors; the denominators are held fixed within the step.
-void Refine(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, Motion& motion) {
-  const Eigen::Vector3d u = motion.t.unitOrthogonal(), v = motion.t.cross(u);  // tangents of the sphere of directions
-  const Eigen::Matrix3d E = motion.E();
-  std::vector<Eigen::Matrix3d> derivative;
-  for (int k = 0; k < 3; ++k) derivative.push_back(E * Skew(Eigen::Vector3d::Unit(k)));  // R exp(w)
-  derivative.push_back(Skew(u) * motion.R);
-  derivative.push_back(Skew(v) * motion.R);
+/// Normal equations of the inliers' Sampson errors in (turn w of R exp(w), t along its two tangents); the errors'
+/// denominators are held fixed.
+struct NormalEquations {
   Eigen::Matrix<double, 5, 5> H = Eigen::Matrix<double, 5, 5>::Zero();
   Eigen::Matrix<double, 5, 1> g = Eigen::Matrix<double, 5, 1>::Zero();
-  for (const int i : inliers) {
-    const Eigen::Vector3d a = pairs[size_t(i)].a.homogeneous(), b = pairs[size_t(i)].b.homogeneous();
-    const Eigen::Vector3d Ea = E * a, Etb = E.transpose() * b;
-    const double weight = 1 / std::max(Ea.head<2>().squaredNorm() + Etb.head<2>().squaredNorm(), 1e-12);
-    Eigen::Matrix<double, 5, 1> J;
-    for (int k = 0; k < 5; ++k) J[k] = b.dot(derivative[size_t(k)] * a);
-    H += weight * J * J.transpose();
-    g += weight * J * b.dot(Ea);
+  double error2 = 0;
+  Eigen::Vector3d u, v;  ///< Tangents of the sphere of directions at t.
+
+  NormalEquations(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Motion& motion)
+      : u(motion.t.unitOrthogonal()), v(motion.t.cross(u)) {
+    const Eigen::Matrix3d E = motion.E();
+    std::vector<Eigen::Matrix3d> derivative;
+    for (int k = 0; k < 3; ++k) derivative.push_back(E * Skew(Eigen::Vector3d::Unit(k)));
+    derivative.push_back(Skew(u) * motion.R);
+    derivative.push_back(Skew(v) * motion.R);
+    for (const int i : inliers) {
+      const Eigen::Vector3d a = pairs[size_t(i)].a.homogeneous(), b = pairs[size_t(i)].b.homogeneous();
+      const Eigen::Vector3d Ea = E * a, Etb = E.transpose() * b;
+      const double weight = 1 / std::max(Ea.head<2>().squaredNorm() + Etb.head<2>().squaredNorm(), 1e-12);
+      Eigen::Matrix<double, 5, 1> J;
+      for (int k = 0; k < 5; ++k) J[k] = b.dot(derivative[size_t(k)] * a);
+      H += weight * J * J.transpose();
+      g += weight * J * b.dot(Ea);
+      error2 += weight * b.dot(Ea) * b.dot(Ea);
+    }
   }
-  const Eigen::Matrix<double, 5, 1> step = -H.ldlt().solve(g);
+};
+
+/// One Gauss-Newton step.
+void Refine(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, Motion& motion) {
+  const NormalEquations equations(pairs, inliers, motion);
+  const Eigen::Matrix<double, 5, 1> step = -equations.H.ldlt().solve(equations.g);
   constexpr double kLargestStep = 0.2;  // beyond it (rad) the linearisation is worthless
   if (!step.allFinite() || step.norm() > kLargestStep) return;
   const Eigen::Vector3d w = step.head<3>();
   if (w.norm() > 0) motion.R = motion.R * Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix();
-  motion.t = (motion.t + step[3] * u + step[4] * v).normalized();
+  motion.t = (motion.t + step[3] * equations.u + step[4] * equations.v).normalized();
+}
+
+/// sqrt of the largest eigenvalue of the direction's block of sigma^2 H^-1.
+double DirectionSigma(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Motion& motion) {
+  const NormalEquations equations(pairs, inliers, motion);
+  const double sigma2 = equations.error2 / double(inliers.size() - 5);
+  const Eigen::Matrix<double, 5, 5> inverse = equations.H.inverse();
+  if (!inverse.allFinite()) return M_PI;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(inverse.bottomRightCorner<2, 2>());
+  const double largest = eigen.eigenvalues()[1];
+  return largest >= 0 ? std::min(M_PI, std::sqrt(sigma2 * largest)) : M_PI;
 }
 
 std::vector<int> InliersInFront(const std::vector<PointPair>& pairs, const Motion& motion, double threshold) {
@@ -97,6 +120,33 @@ std::vector<int> InliersInFront(const std::vector<PointPair>& pairs, const Motio
     if (SampsonError2(E, pairs[i]) < threshold * threshold && InFront(motion, pairs[i])) inliers.push_back(int(i));
   }
   return inliers;
+}
+
+/// Small motions leave the two-view error with several minima, of which some trade a sideways motion for a turn
+/// (Chiuso, Brockett and Soatto, IJCV 2000). So descends from RANSAC's answer and from its rotation with each axis as
+/// direction, and keeps the lowest.
+Motion RefineFromSeveral(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Motion& found,
+                         const RansacOptions& options) {
+  std::vector<Motion> starts = {found};
+  for (int axis = 0; axis < 3; ++axis) starts.push_back({found.R, Eigen::Vector3d::Unit(axis)});
+  Motion best = found;
+  double lowest = std::numeric_limits<double>::infinity();
+  constexpr int kSteps = 8;
+  for (Motion& motion : starts) {
+    for (int step = 0; step < kSteps; ++step) Refine(pairs, inliers, motion);
+    motion = ChooseByDepth(motion.E(), pairs, inliers);
+    const Eigen::Matrix3d E = motion.E();
+    double score = 0;
+    for (const PointPair& pair : pairs) {
+      score += InFront(motion, pair) ? std::min(SampsonError2(E, pair), options.threshold * options.threshold)
+                                     : options.threshold * options.threshold;
+    }
+    if (score < lowest) {
+      lowest = score;
+      best = motion;
+    }
+  }
+  return best;
 }
 
 double MedianParallax(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Eigen::Matrix3d& R) {
@@ -147,15 +197,11 @@ TwoView EstimateTwoView(const std::vector<PointPair>& pairs, const RansacOptions
   const auto residual2 = [&](const Eigen::Matrix3d& E, int i) { return SampsonError2(E, pairs[size_t(i)]); };
   const auto found = Ransac<Eigen::Matrix3d>(int(pairs.size()), 5, options, random, solve, residual2);
   if (found.inliers.size() < kFewestPairs) return result;
-  Motion motion = ChooseByDepth(found.model, pairs, found.inliers);
+  Motion motion = RefineFromSeveral(pairs, found.inliers, ChooseByDepth(found.model, pairs, found.inliers), options);
   std::vector<int> inliers = InliersInFront(pairs, motion, options.threshold);
-  constexpr int kSteps = 5;
-  for (int step = 0; step < kSteps && inliers.size() >= kFewestPairs; ++step) {
-    Refine(pairs, inliers, motion);
-    inliers = InliersInFront(pairs, motion, options.threshold);
-  }
   if (inliers.size() < kFewestPairs) return result;
   result.X_AB = Pose(motion.R, motion.t).Inverse();
+  result.direction_sigma = DirectionSigma(pairs, inliers, motion);
   result.parallax = MedianParallax(pairs, inliers, motion.R);
   result.inliers = std::move(inliers);
   return result;

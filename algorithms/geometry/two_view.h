@@ -24,10 +24,12 @@ std::vector<Eigen::Matrix3d> SolveFivePoint(const std::vector<PointPair>& five);
 double SampsonError2(const Eigen::Matrix3d& E, const PointPair& pair);
 
 struct TwoView {
-  Pose X_AB;                 ///< Maps points of camera B into camera A; |translation| = 1.
-  std::vector<int> inliers;  ///< Pairs that agree with the pose and lie in front of both cameras, increasing.
-  double parallax = 0;       ///< Median over the inliers of the angle between the two rays, rad. Near zero: the
-                             ///< camera only turned, and the translation means nothing.
+  Pose X_AB;                      ///< Maps points of camera B into camera A; |translation| = 1.
+  std::vector<int> inliers;       ///< Pairs that agree with the pose and lie in front of both cameras, increasing.
+  double parallax = 0;            ///< Median over the inliers of the angle between the two rays, rad. Near zero: the
+                                  ///< camera only turned, and the translation means nothing.
+  double direction_sigma = M_PI;  ///< Standard deviation of the translation's direction, rad, along its worst axis: of
+                                  ///< first order, from the inliers' residuals. Small motions leave it large.
 };
 
 /// Five-point RANSAC, choice among the four decompositions by depths in front, Gauss-Newton on the Sampson errors.

@@ -27,7 +27,8 @@ struct SiftVoOptions {
   int min_matches = 15;                ///< With fewer inliers a frame has no pose.
   int min_start_points = 40;           ///< Points that a new map needs.
   double min_parallax_deg = 1.0;       ///< A point is triangulated when its rays meet at this angle.
-  double start_parallax_deg = 1.5;     ///< Median angle between the rays of the two frames that start a map.
+  double start_parallax_deg = 0.5;     ///< Median angle between the rays of the two frames that start a map.
+  double start_direction_deg = 1.0;    ///< ... and the largest standard deviation of the direction of their baseline.
   double keyframe_parallax_deg = 4.0;  ///< Median angle that makes a frame a keyframe.
   double keyframe_overlap = 0.6;       ///< A frame that shares less than this part of its points becomes a keyframe.
   int max_lost_frames = 15;            ///< After so many frames without a pose the map is given up and begun anew.
@@ -45,6 +46,8 @@ void VisitFields(Visitor& visit, SiftVoOptions& o) {
   visit("min_start_points", o.min_start_points, Between(8, 100000), "points that a new map needs");
   visit("min_parallax_deg", o.min_parallax_deg, Between(0.01, 45.0), "angle of the rays that make a point");
   visit("start_parallax_deg", o.start_parallax_deg, Between(0.01, 45.0), "median angle that starts a map");
+  visit("start_direction_deg", o.start_direction_deg, Between(0.001, 180.0),
+        "largest standard deviation of the first baseline's direction");
   visit("keyframe_parallax_deg", o.keyframe_parallax_deg, Between(0.1, 90.0), "median angle that makes a keyframe");
   visit("keyframe_overlap", o.keyframe_overlap, Between(0.0, 1.0), "part of points shared that makes a keyframe");
   visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "frames without a pose until a new start");
