@@ -1,12 +1,13 @@
 /// Motion blur by integrating what the camera sees while its shutter is open.
 ///
-/// The shutter interval decides three things at once: which instants are rendered, how bright the image is, and how noisy.
-/// Light is added in linear units; the sRGB decoding happens once per sub-frame, the camera's response once per frame.
+/// The shutter interval decides three things at once: which instants are rendered, how bright the image is, and how
+/// noisy. Light is added in linear units; the sRGB decoding happens once per sub-frame, the camera's response once per
+/// frame.
 
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -14,64 +15,96 @@
 #include "algorithms/core/fields.h"
 #include "algorithms/core/image.h"
 #include "algorithms/core/random.h"
-#include "algorithms/core/trajectory.h"
+#include "sim/blur_field.h"
+#include "sim/exposure_options.h"
+#include "sim/image_sensor.h"
+#include "sim/lens.h"
+#include "sim/light.h"
+#include "sim/renderer.h"
+#include "sim/shutter.h"
+#include "sim/world.h"
 
 namespace gaitcam {
-
-struct ExposureOptions {
-  using DescribedTag = void;
-
-  double exposure_ms = 20.0;        ///< Shutter open to close; 0 is one instant. The frame's stamp is the middle of it.
-  double readout_ms = 0.0;          ///< First to last row (rolling shutter); 0 means global shutter.
-  double max_step_px = 0.5;         ///< No image point moves further than this between two sub-frames.
-  int min_subframes = 1;
-  int max_subframes = 128;
-  int fixed_subframes = 0;          ///< If positive: exactly so many, whatever moves.
-  double full_well_e = 10000.0;     ///< Electrons at white: sets the photon shot noise.
-  double read_noise_e = 8.0;        ///< Standard deviation, electrons.
-  double noise = 1.0;               ///< Factor on both; 0 switches noise off.
-  double reference_exposure_ms = 20.0;  ///< At this exposure and gain 1 a display-white surface is just white.
-  std::string gain = "auto";        ///< "auto" keeps brightness at any exposure (and amplifies noise); "fixed" lets it vary.
-  std::string response = "srgb";    ///< Camera response curve: "srgb" or "linear".
-};
-
-template <class Visitor>
-void VisitFields(Visitor& visit, ExposureOptions& o) {
-  visit("exposure_ms", o.exposure_ms, Between(0.0, 200.0), "shutter open to close");
-  visit("readout_ms", o.readout_ms, Between(0.0, 200.0), "first to last row; 0 is a global shutter");
-  visit("max_step_px", o.max_step_px, Between(0.05, 20.0), "largest motion between two sub-frames");
-  visit("min_subframes", o.min_subframes, Between(1, 4096), "bound on the number of sub-frames");
-  visit("max_subframes", o.max_subframes, Between(1, 4096), "bound on the number of sub-frames");
-  visit("fixed_subframes", o.fixed_subframes, Between(0, 4096), "exactly so many; 0 chooses by motion");
-  visit("full_well_e", o.full_well_e, Between(100, 1e7), "electrons at white");
-  visit("read_noise_e", o.read_noise_e, Between(0, 1000), "electrons, standard deviation");
-  visit("noise", o.noise, Between(0.0, 10.0), "factor on shot and read noise; 0 is none");
-  visit("reference_exposure_ms", o.reference_exposure_ms, Between(0.1, 200.0), "exposure at which gain is 1");
-  visit("gain", o.gain, OneOf({"auto", "fixed"}), "auto keeps the brightness at any exposure");
-  visit("response", o.response, OneOf({"srgb", "linear"}), "camera response curve");
-}
 
 /// One sub-frame: when, how much it counts, and where the camera was.
 struct Subframe {
   int64_t stamp_ns = 0;
-  double weight = 0;                ///< Sums to 1 over the frame (global shutter; per row for a rolling one).
+  double weight = 0;  ///< Sums to 1 over the frame (global shutter; per row for a rolling one).
   Pose X_WC;
 };
 
 /// What is true of a frame; never leaves the simulator's side.
 struct ExposureTruth {
-  Pose X_WC_open, X_WC, X_WC_close; ///< At shutter open, middle and close (of the middle row).
+  Pose X_WC_open, X_WC, X_WC_close;  ///< At shutter open, middle and close (of the middle row).
   std::vector<Subframe> subframes;
-  cv::Mat sharp;                    ///< CV_8UC3: one instant at mid-exposure, same optics and response, no noise.
-  cv::Mat depth;                    ///< CV_32FC1, m along the optical axis at mid-exposure; 0 where nothing is.
-  cv::Mat blur;                     ///< CV_32FC2, px: how far the point seen here moved from open to close (net vector).
+  cv::Mat sharp;  ///< CV_8UC3: one instant at mid-exposure, same optics and response, no noise.
+  cv::Mat depth;  ///< CV_32FC1, m along the optical axis at mid-exposure; 0 where nothing is.
+  cv::Mat blur;   ///< CV_32FC2, px: how far the point seen here moved from open to close (net vector).
   double blur_median_px = 0, blur_p90_px = 0, blur_max_px = 0;  ///< Path lengths over the image.
 };
 
 /// One exposed frame and everything that is true of it.
 struct ExposedFrame {
-  Image image;                      ///< CV_8UC3 (BGR), row 0 at the top, stamped at mid-exposure.
+  Image image;  ///< CV_8UC3 (BGR) or CV_8UC1 (grey), row 0 at the top, stamped at mid-exposure.
   ExposureTruth truth;
+};
+
+/// Which costly pieces of truth to make. Poses and sub-frames come always.
+struct TruthOptions {
+  using DescribedTag = void;
+  bool sharp = true;  ///< Costs as many renders as CameraOptions::antialias.
+  bool depth = true;  ///< Costs one render, shared with `sharp` and `blur`.
+  bool blur = true;   ///< Blur vectors and path lengths.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, TruthOptions& o) {
+  visit("sharp", o.sharp, Nested(), "the sharp twin of every frame");
+  visit("depth", o.depth, Nested(), "depth at mid-exposure");
+  visit("blur", o.blur, Nested(), "blur vectors at every pixel");
+}
+
+/// One camera of a model that films through a shutter.
+///
+/// When a frame is exposed, physics has already run to the shutter's close, and its record says exactly where
+/// everything was at any instant of it. So the instants to render are chosen with the whole motion known: first the
+/// picture at mid-exposure says what is seen and how far away it is, then the largest motion of any of these points
+/// over time cuts the shutter's time into sub-frames. Each sub-frame looks a little beside the pixels' centres, another
+/// way every time, with mean zero: the sum is anti-aliased for nothing.
+class ExposingCamera {
+ public:
+  /// @param antialias the least number of renders in a frame or a sharp twin, unless options.fixed_subframes is set.
+  /// @throws BadInput if the model has no such camera; BadOption.
+  ExposingCamera(const mjModel* model, const std::string& camera_name, const CameraModel& camera,
+                 const ExposureOptions& options, int antialias, bool grey);
+
+  /// Films one frame.
+  /// @param stamp_ns mid-exposure; `record` covers the shutter's whole time (WholeShutter).
+  /// @param noise the frame's own stream.
+  ExposedFrame Expose(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, const TruthOptions& truth,
+                      RandomStream noise);
+
+  const Lens& lens() const { return lens_; }
+
+ private:
+  struct Middle;
+
+  SceneInstant At(const MotionRecord& record, int64_t stamp_ns);
+  Middle SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, bool sharp);
+  MotionProfile MeasureMotion(const MotionRecord& record, const ShutterInterval& shutter, const SeenPoints& points);
+  cv::Mat Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, ExposureTruth& truth,
+                    std::vector<SceneInstant>& instants, int64_t stamp_ns);
+  void DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,
+                    const std::vector<SceneInstant>& instants, bool vectors, ExposureTruth& truth);
+
+  const mjModel* model_;
+  int camera_id_;
+  Lens lens_;
+  ExposureOptions options_;
+  int antialias_;
+  ImageSensor sensor_;
+  MjDataPtr data_;  ///< Scratch: the configuration being looked at.
+  cv::Mat buffer_;  ///< The picture last read.
 };
 
 }  // namespace gaitcam

@@ -1,0 +1,187 @@
+#include "sim/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr int kPointsAcross = 24;     // points followed per image row to find the fastest
+constexpr int kRollingBands = 16;     // bands of rows whose blur vectors share one interval
+constexpr int64_t kLookNs = 1000000;  // the motion is measured at least this often
+
+}  // namespace
+
+/// What is seen at mid-exposure.
+struct ExposingCamera::Middle {
+  SceneInstant instant;
+  cv::Mat depth, bodies;  ///< As the camera sees them; no bodies where only the world is in view.
+  cv::Mat sharp;          ///< Light of the sharp twin, if asked for.
+  std::optional<SeenPoints> points;
+};
+
+ExposingCamera::ExposingCamera(const mjModel* model, const std::string& camera_name, const CameraModel& camera,
+                               const ExposureOptions& options, int antialias, bool grey)
+    : model_(model),
+      camera_id_(FindCamera(model, camera_name)),
+      lens_(camera),
+      options_(options),
+      antialias_(antialias),
+      sensor_(options, grey),
+      data_(mj_makeData(model)) {
+  GAITCAM_ASSERT(antialias >= 1 && data_ != nullptr);
+}
+
+SceneInstant ExposingCamera::At(const MotionRecord& record, int64_t stamp_ns) {
+  record.Evaluate(model_, stamp_ns, data_.get());
+  return CaptureInstant(model_, *data_, camera_id_, stamp_ns);
+}
+
+ExposingCamera::Middle ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
+                                                 bool sharp) {
+  Middle middle;
+  middle.instant = At(record, stamp_ns);
+  renderer.Update(*data_);
+  const CameraModel& pinhole = lens_.pinhole();
+  const Pose& X_WC = middle.instant.X_WC;
+  renderer.Draw(*data_, X_WC, pinhole);
+  middle.depth = lens_.WarpDepth(renderer.ReadDepth());
+  if (sharp) {
+    // The picture that gave the depth looks at the pixels' centres; the others spread evenly around it.
+    LightAccumulator light(pinhole.width_px, pinhole.height_px);
+    const std::vector<Eigen::Vector2d> shifts =
+        antialias_ > 1 ? PixelShifts(antialias_) : std::vector<Eigen::Vector2d>();
+    const float weight = 1.f / float(shifts.size() + 1);
+    renderer.ReadColor(buffer_);
+    light.Add(buffer_, weight);
+    for (const Eigen::Vector2d& shift : shifts) {
+      renderer.Draw(*data_, X_WC, pinhole, shift);
+      renderer.ReadColor(buffer_);
+      light.Add(buffer_, weight);
+    }
+    middle.sharp = lens_.WarpLight(light.light());
+  }
+  if (renderer.SeesMovingBodies(X_WC, pinhole)) {
+    middle.bodies = lens_.WarpLabels(renderer.Bodies(*data_, X_WC, pinhole));
+  }
+  const int stride = std::max(1, lens_.camera().width_px / kPointsAcross);
+  middle.points.emplace(lens_.rays(), middle.depth, middle.bodies, middle.instant, stride);
+  return middle;
+}
+
+MotionProfile ExposingCamera::MeasureMotion(const MotionRecord& record, const ShutterInterval& shutter,
+                                            const SeenPoints& points) {
+  MotionProfile motion;
+  const int64_t duration = shutter.close_ns - shutter.open_ns;
+  const int64_t looks = std::clamp<int64_t>((duration + kLookNs - 1) / kLookNs, 8, 256);
+  std::vector<Eigen::Vector2d> before;
+  for (int64_t i = 0; i <= looks; ++i) {
+    const int64_t stamp = shutter.open_ns + duration * i / looks;
+    std::vector<Eigen::Vector2d> now = points.Project(lens_.camera(), At(record, stamp));
+    double step = 0;
+    for (size_t k = 0; k < before.size(); ++k) step = std::fmax(step, (now[k] - before[k]).norm());  // skips NaN
+    motion.stamps_ns.push_back(stamp);
+    motion.travel_px.push_back(i == 0 ? 0 : motion.travel_px.back() + step);
+    before = std::move(now);
+  }
+  return motion;
+}
+
+cv::Mat ExposingCamera::Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan,
+                                  ExposureTruth& truth, std::vector<SceneInstant>& instants, int64_t stamp_ns) {
+  const CameraModel &pinhole = lens_.pinhole(), &camera = lens_.camera();
+  const bool rolling = options_.readout_ms > 0;
+  std::vector<std::vector<float>> row_weights;
+  for (int row = 0; rolling && row < camera.height_px; ++row) {
+    row_weights.push_back(RowWeights(options_, stamp_ns, plan, row, camera.height_px));
+  }
+  LightAccumulator light(pinhole.width_px, pinhole.height_px);
+  cv::Mat warped_light = cv::Mat::zeros(camera.height_px, camera.width_px, CV_32FC3);
+  for (size_t i = 0; i < plan.size(); ++i) {
+    instants.push_back(At(record, plan[i].stamp_ns));
+    const Pose& X_WC = instants.back().X_WC;
+    truth.subframes.push_back({plan[i].stamp_ns, plan[i].weight, X_WC});
+    renderer.Move(*data_);
+    renderer.Draw(*data_, X_WC, pinhole, plan[i].shift_px);
+    renderer.ReadColor(buffer_);
+    if (!rolling) {
+      light.Add(buffer_, float(plan[i].weight));
+      continue;
+    }
+    std::vector<float> weights;
+    for (const std::vector<float>& of_row : row_weights) weights.push_back(of_row[i]);
+    if (!lens_.warps()) {
+      light.Add(buffer_, weights);
+      continue;
+    }
+    // A row of the warped picture comes from several of the ideal one: warp first, then weigh.
+    LightAccumulator single(pinhole.width_px, pinhole.height_px);
+    single.Add(buffer_, 1.f);
+    const cv::Mat warped = lens_.WarpLight(single.light());
+    for (int row = 0; row < warped.rows; ++row) {
+      if (weights[row] > 0) warped_light.row(row) += weights[row] * warped.row(row);
+    }
+  }
+  return rolling && lens_.warps() ? warped_light : lens_.WarpLight(light.light());
+}
+
+void ExposingCamera::DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,
+                                  const std::vector<SceneInstant>& instants, bool vectors, ExposureTruth& truth) {
+  const int rows = lens_.camera().height_px;
+  const int bands = options_.readout_ms > 0 ? std::min(kRollingBands, rows) : 1;
+  std::vector<std::pair<SceneInstant, SceneInstant>> open_close;
+  for (int band = 0; band < bands; ++band) {
+    const ShutterInterval own = RowShutter(options_, stamp_ns, (band + 0.5) * rows / bands - 0.5, rows);
+    open_close.emplace_back(At(record, own.open_ns), At(record, own.close_ns));
+  }
+  if (vectors) {
+    truth.blur = BlurVectors(lens_.camera(), lens_.rays(), middle.depth, middle.bodies, middle.instant, open_close);
+  }
+  const ShutterInterval own = MiddleRowShutter(options_, stamp_ns);
+  std::vector<SceneInstant> path = {At(record, own.open_ns)};
+  for (const SceneInstant& instant : instants) {
+    if (instant.stamp_ns > own.open_ns && instant.stamp_ns < own.close_ns) path.push_back(instant);
+  }
+  path.push_back(At(record, own.close_ns));
+  const PathLengths lengths = MeasurePaths(lens_.camera(), *middle.points, path);
+  truth.blur_median_px = lengths.median_px;
+  truth.blur_p90_px = lengths.p90_px;
+  truth.blur_max_px = lengths.max_px;
+}
+
+ExposedFrame ExposingCamera::Expose(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
+                                    const TruthOptions& wanted, RandomStream noise) {
+  ExposedFrame frame;
+  ExposureTruth& truth = frame.truth;
+  const bool measures = options_.fixed_subframes == 0;
+  std::optional<Middle> middle;
+  MotionProfile motion;
+  if (measures || wanted.sharp || wanted.depth || wanted.blur) {
+    middle = SeeMiddle(renderer, record, stamp_ns, wanted.sharp);
+  } else {
+    At(record, stamp_ns);
+    renderer.Update(*data_);
+  }
+  const ShutterInterval whole = WholeShutter(options_, stamp_ns);
+  if (measures && whole.close_ns > whole.open_ns) motion = MeasureMotion(record, whole, *middle->points);
+  const ShutterPlan plan = PlanShutter(options_, stamp_ns, antialias_, motion);
+
+  std::vector<SceneInstant> instants;
+  const cv::Mat light = Integrate(renderer, record, plan, truth, instants, stamp_ns);
+  frame.image = {stamp_ns, sensor_.Develop(light, std::move(noise))};
+
+  const ShutterInterval own = MiddleRowShutter(options_, stamp_ns);
+  truth.X_WC_open = At(record, own.open_ns).X_WC;
+  truth.X_WC = At(record, stamp_ns).X_WC;
+  truth.X_WC_close = At(record, own.close_ns).X_WC;
+  if (!middle) return frame;
+  if (wanted.sharp) truth.sharp = sensor_.DevelopNoiseless(middle->sharp);
+  if (wanted.depth) truth.depth = middle->depth;
+  DescribeBlur(record, stamp_ns, *middle, instants, wanted.blur, truth);
+  return frame;
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,39 @@
+/// A lens with distortion, or with pixels that are not square: drawn through an ideal wider camera, then warped.
+
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "algorithms/core/camera.h"
+
+namespace gaitcam {
+
+class Lens {
+ public:
+  /// @throws BadOption if the distortion folds the picture over itself within the image, or needs a picture more than
+  /// four times as wide or high.
+  explicit Lens(const CameraModel& camera);
+
+  const CameraModel& camera() const { return camera_; }
+  /// The ideal camera with square pixels to draw with. It is the camera itself where that has no distortion.
+  const CameraModel& pinhole() const { return pinhole_; }
+  /// Whether pictures of the ideal camera must be warped at all.
+  bool warps() const { return warps_; }
+  /// CV_32FC2: (X/Z, Y/Z) of the ray through each pixel centre of the camera.
+  const cv::Mat& rays() const { return rays_; }
+
+  /// Light (any number of float channels) as the camera sees it: bilinear.
+  cv::Mat WarpLight(const cv::Mat& light) const;
+  /// Depth likewise. 1/z is interpolated, which is exact on planes; across an edge the nearest sample is taken.
+  cv::Mat WarpDepth(const cv::Mat& depth) const;
+  /// Labels: the nearest sample.
+  cv::Mat WarpLabels(const cv::Mat& labels) const;
+
+ private:
+  CameraModel camera_, pinhole_;
+  bool warps_ = false;
+  cv::Mat rays_;
+  cv::Mat map_;  ///< CV_32FC2: where each pixel lies in the picture of the ideal camera.
+};
+
+}  // namespace gaitcam
