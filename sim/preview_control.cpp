@@ -10,7 +10,7 @@ namespace {
 /// The stabilising solution P of  P = A' P A - A' P b (R + b' P b)^-1 b' P A + Q,  by iteration to a fixed point.
 Eigen::Matrix4d SolveRiccati(const Eigen::Matrix4d& a, const Eigen::Vector4d& b, const Eigen::Matrix4d& q, double r) {
   constexpr int kMostIterations = 200000;
-  constexpr double kConverged = 1e-13;  // relative change per iteration
+  constexpr double kConverged = 1e-10;  // relative change per iteration; rounding alone leaves some 1e-13
   Eigen::Matrix4d p = q;
   for (int i = 0; i < kMostIterations; ++i) {
     const Eigen::RowVector4d bpa = b.transpose() * p * a;

@@ -1,0 +1,25 @@
+/// Where the plan's frame lies in the world: what slipping feet add up to.
+
+#pragma once
+
+#include "sim/path.h"
+
+namespace gaitcam {
+
+/// Averages, over a step, how a measured course differs from the planned one. Sway and lag within the step cancel.
+class Course {
+ public:
+  /// One instant: the root as measured in W, and as planned in P.
+  void Add(const PlanarPose& X_WB, const PlanarPose& X_PB);
+  bool empty() const { return count_ == 0; }
+  /// @returns X_WP, its heading continuing the last one's without wrapping; begins a new average. @pre not empty.
+  PlanarPose Take();
+
+ private:
+  double heading_ = 0;   ///< The last answer's, rad.
+  double turn_sum_ = 0;  ///< Of differences from it.
+  Eigen::Vector2d measured_sum_ = Eigen::Vector2d::Zero(), planned_sum_ = Eigen::Vector2d::Zero();
+  int count_ = 0;
+};
+
+}  // namespace gaitcam

@@ -1,0 +1,137 @@
+#include "sim/walk_pattern.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr double kRounding = 1e-9;  // of a step: a tick that falls on a step's begin belongs to it
+
+/// From 0 to 1 with velocity and acceleration 0 at both ends.
+double Quintic(double s) {
+  s = std::clamp(s, 0.0, 1.0);
+  return s * s * s * (10 + s * (-15 + 6 * s));
+}
+
+double Mix(double a, double b, double s) { return a + (b - a) * s; }
+
+PreviewOptions Preview(const WalkPatternOptions& options) {
+  PreviewOptions preview;
+  preview.period_s = options.control_period_s;
+  preview.com_height_m = options.com_height_m;
+  preview.horizon_s = options.preview_s;
+  return preview;
+}
+
+}  // namespace
+
+WalkPattern::WalkPattern(const GaitOptions& gait, const WalkPatternOptions& options, FootstepPlanner planner)
+    : gait_(gait), options_(options), planner_(std::move(planner)), preview_(Preview(options)) {
+  preview_.Reset(RestZmp(1));
+  AppendPrints(-1, {});
+  for (int j = 0; j < preview_.reference_count(); ++j) reference_.push_back(ZmpAt((j - 1) * options.control_period_s));
+  PlaceFeet(-1, 0);
+  targets_.posture.com = targets_.dcm = preview_.position();
+}
+
+const WalkTargets& WalkPattern::Advance(const PlanarPose& X_WP) {
+  const int before = StepAt(time());
+  ++tick_;
+  const int step = StepAt(time());
+  if (step != before) AppendPrints(step, X_WP);
+
+  // Prints never change once they are appended, so each tick adds one new instant at the horizon's far end.
+  reference_.erase(reference_.begin());
+  reference_.push_back(ZmpAt(time() + (preview_.reference_count() - 1) * options_.control_period_s));
+  preview_.Update(reference_);
+  targets_.posture.com = preview_.position();
+  targets_.dcm = preview_.Dcm();
+  PlaceFeet(step, (time() - options_.settle_s) / gait_.period_s - step);
+  return targets_;
+}
+
+int WalkPattern::StepAt(double time) const {
+  if (time < options_.settle_s) return -1;
+  return std::min(int(std::floor((time - options_.settle_s) / gait_.period_s + kRounding)), StepCount());
+}
+
+bool WalkPattern::Finished() const {
+  return planner_.complete() && time() >= 2 * options_.settle_s + StepCount() * gait_.period_s;
+}
+
+void WalkPattern::AppendPrints(int step, const PlanarPose& X_WP) {
+  planner_.Forget(std::max(0, step));
+  const int ahead = 3 + int(std::floor(options_.preview_s / gait_.period_s + kRounding));
+  while (!planner_.complete() && planner_.count() < step + ahead + 1) planner_.Append(X_WP);
+}
+
+Eigen::Vector2d WalkPattern::SupportZmp(int print) const {
+  const Footprint& p = planner_.print(print);
+  return p.ankle * Eigen::Vector2d(options_.zmp_forward_m, -SideSign(p.side) * options_.zmp_inward_m);
+}
+
+Eigen::Vector2d WalkPattern::RestZmp(int print) const { return 0.5 * (SupportZmp(print - 1) + SupportZmp(print)); }
+
+Eigen::Vector2d WalkPattern::ZmpAt(double time) const {
+  const int step = StepAt(time);
+  if (step < 0) return RestZmp(1);
+  const bool stopped = step == StepCount();
+  const Eigen::Vector2d from = step == 0 ? RestZmp(1) : SupportZmp(step);
+  const Eigen::Vector2d to = stopped ? RestZmp(step + 1) : SupportZmp(step + 1);
+  const double since = time - options_.settle_s - step * gait_.period_s;
+  return from + (to - from) * std::clamp(since / (gait_.double_support_ratio * gait_.period_s), 0.0, 1.0);
+}
+
+void WalkPattern::PlaceFeet(int step, double phase) {
+  const bool standing = step < 0 || step >= StepCount();
+  const int stance_print = step < 0 ? 1 : step + 1;  // standing: the later of the two prints
+  const Footprint& stance = planner_.print(stance_print);
+  const Footprint& other = planner_.print(stance_print - 1);
+  const auto on_floor = [&](const Footprint& p) { return p.ankle.Lifted(options_.ankle_height_m); };
+  targets_.posture.X_PA[stance.side] = on_floor(stance);
+  targets_.posture.X_PA[other.side] = on_floor(other);
+  targets_.posture.heading = 0.5 * (stance.ankle.heading + other.ankle.heading);
+  targets_.swing_phase = 0;
+  targets_.stance = -1;
+  targets_.load = {0.5, 0.5};
+  targets_.gait = {};
+  if (standing) return;
+
+  targets_.stance = stance.side;
+  targets_.gait.step = step;
+  targets_.gait.phase = std::clamp(phase, 0.0, 1.0);
+  const double single_begin = gait_.double_support_ratio;
+  if (phase < single_begin) {
+    const double shifted = 0.5 + 0.5 * phase / single_begin;
+    targets_.load[stance.side] = shifted;
+    targets_.load[other.side] = 1 - shifted;
+    if (step > 0) {  // give back what the foot was pressed into the floor, or kept above it
+      targets_.posture.X_PA[stance.side].translation.z() +=
+          gait_.landing_offset_m * (1 - Quintic(phase / single_begin));
+    }
+  } else {
+    targets_.load[stance.side] = 1;
+    targets_.load[other.side] = 0;
+    targets_.gait.support = stance.side == 0 ? SupportPhase::kLeft : SupportPhase::kRight;
+    targets_.swing_phase = (phase - single_begin) / (1 - single_begin);
+    PlaceSwingFoot(step, targets_.swing_phase);
+  }
+  const double next_heading = 0.5 * (stance.ankle.heading + planner_.print(step + 2).ankle.heading);
+  targets_.posture.heading = Mix(targets_.posture.heading, next_heading, Quintic(phase));
+}
+
+void WalkPattern::PlaceSwingFoot(int step, double swing_phase) {
+  const Footprint& from = planner_.print(step);
+  const Footprint& to = planner_.print(step + 2);
+  const double moved = Quintic(swing_phase / options_.landing_phase);
+  const double height = swing_phase < 0.5 ? gait_.lift_m * Quintic(2 * swing_phase)
+                                          : Mix(gait_.lift_m, gait_.landing_offset_m, Quintic(2 * swing_phase - 1));
+  const PlanarPose ankle(from.ankle.position + moved * (to.ankle.position - from.ankle.position),
+                         Mix(from.ankle.heading, to.ankle.heading, moved));
+  targets_.posture.X_PA[from.side] = ankle.Lifted(options_.ankle_height_m + height);
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,202 @@
+#include "sim/walker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "algorithms/core/errors.h"
+#include "sim/course.h"
+#include "sim/gait_plan.h"
+#include "sim/state_estimator.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kSolveIterations = 2;
+constexpr double kMostAnkleFeedback_rad = 0.3;
+constexpr double kFade_s = 0.5;  ///< In which arms and neck begin and end to swing.
+
+class Walker : public Controller {
+ public:
+  Walker(const Robot& robot, const mjModel* nominal, const GaitOptions& gait, const PathOptions& path,
+         const PhysicsOptions& physics, const Pose& start)
+      : robot_(robot),
+        options_(ReadWalkerOptions(robot)),
+        gait_(gait),
+        path_(path),
+        period_s_(physics.control_period_ms * 1e-3),
+        plan_(PlanGait(robot, nominal, options_, gait, path, period_s_, start)),
+        estimator_(robot, {options_.attitude_gain, options_.velocity_filter_s}, plan_.initial.X_PB),
+        targets_(plan_.posture.joints()) {
+    MoveNeck(0);
+    initial_joints_ = targets_;
+  }
+
+  std::vector<double> InitialJoints() const override { return initial_joints_; }
+  Pose InitialRoot() const override { return plan_.initial.X_PB; }
+  GaitState gait() const override { return plan_.pattern.targets().gait; }
+
+  bool Finished() const override {
+    if (path_.kind == "stand") return plan_.pattern.time() >= 2 * path_.settle_s + path_.duration_s;
+    return plan_.pattern.Finished();
+  }
+
+  const std::vector<double>& Update(const ControlInput& input) override {
+    Sense(input);
+    const WalkTargets& plan = plan_.pattern.Advance(X_WP_);
+    if (plan.gait.step != course_step_) Steer(plan.gait.step);
+    ShiftCenterOfMass(plan);
+    Posture::Targets posture = plan.posture;
+    posture.com += shift_;
+    solution_ = plan_.posture.Solve(posture, kSolveIterations);
+    MoveLegs(plan);
+    SwingArms(plan);
+    MoveNeck(plan_.pattern.time());
+    return targets_;
+  }
+
+ private:
+  /// The state by the sensors, and where the robot has gone since the last step began.
+  void Sense(const ControlInput& input) {
+    const WalkTargets& plan = plan_.pattern.targets();
+    const bool single_support = plan.stance >= 0 && plan.load[size_t(plan.stance)] == 1;
+    // Servos settle at first; then nothing moves, and what the gyroscope shows is its bias.
+    const double time = plan_.pattern.time();
+    const bool at_rest = time > 0.5 * path_.settle_s && time < path_.settle_s && path_.kind != "stand";
+    estimator_.Update(input.imu, input.joints.position, period_s_, single_support ? plan.stance : -1, at_rest,
+                      plan_.posture.mass_model());
+    if (path_.feedback == "none" || !solution_) return;
+    if (path_.feedback == "truth" && !input.X_WB) throw BadOption("path.feedback: truth was asked for but not given");
+    const Pose& measured = path_.feedback == "truth" ? *input.X_WB : estimator_.X_OB();
+    course_.Add(PlanarPose(measured), PlanarPose(solution_->X_PB));
+  }
+
+  /// At the begin of each step: where the plan lies in the world, for the footprints that will be appended at the next.
+  void Steer(int step) {
+    course_step_ = step;
+    if (!course_.empty()) X_WP_ = course_.Take();
+  }
+
+  /// Moves the centre of mass against the error of the divergent component of motion: where the robot would fall to.
+  void ShiftCenterOfMass(const WalkTargets& plan) {
+    Eigen::Vector2d wanted(0, 0);
+    if (plan.gait.step >= 1) {
+      const ComOverFoot& com = estimator_.com_over_foot(plan.stance);
+      const Eigen::Vector2d measured = com.position + com.velocity / plan_.natural_frequency;
+      const PlanarPose X_PA(plan.posture.X_PA[size_t(plan.stance)]);
+      const Eigen::Vector2d error = measured - X_PA.Inverse() * plan.dcm;
+      wanted = -options_.dcm_gain * (PlanarPose({0, 0}, X_PA.heading) * error);
+    }
+    shift_ += std::min(1.0, period_s_ / options_.dcm_filter_s) * (wanted - shift_);
+    shift_ = shift_.cwiseMax(-options_.dcm_limit_m).cwiseMin(options_.dcm_limit_m);
+  }
+
+  /// Solved angles, and on top of them: the standing ankle leans against the trunk's tilt, the swinging one levels its
+  /// sole.
+  void MoveLegs(const WalkTargets& plan) {
+    const Eigen::Vector2d tilt(estimator_.roll(), estimator_.pitch() - options_.lean_rad);
+    const Eigen::Vector2d rate = estimator_.angular_rate().head<2>();
+    const Eigen::Vector2d angle_gain(options_.roll_gain, options_.pitch_gain);
+    const Eigen::Vector2d rate_gain(options_.roll_rate_gain, options_.pitch_rate_gain);
+    for (int side = 0; side < 2; ++side) {
+      const double turned = PlanarPose(plan.posture.X_PA[size_t(side)]).heading - plan.posture.heading;
+      const PlanarPose foot_from_root({0, 0}, -turned);
+      const double load = plan.load[size_t(side)];
+      const double swing = plan.stance >= 0 && side != plan.stance ? std::min(1.0, 5 * plan.swing_phase) : 0.0;
+      Eigen::Vector2d correction = load * (angle_gain.cwiseProduct(tilt) + rate_gain.cwiseProduct(rate));
+      correction -= swing * options_.leveling_gain * tilt;
+      correction = foot_from_root * correction;
+      LegAngles angles = solution_->legs[size_t(side)].angles;
+      angles[5] += std::clamp(correction.x(), -kMostAnkleFeedback_rad, kMostAnkleFeedback_rad);
+      angles[4] += std::clamp(correction.y(), -kMostAnkleFeedback_rad, kMostAnkleFeedback_rad);
+      plan_.posture.leg(side).ToJoints(angles, targets_);
+    }
+  }
+
+  /// Each arm goes with the other side's leg.
+  void SwingArms(const WalkTargets& plan) {
+    if (gait_.arm_swing_rad == 0) return;
+    const bool walking = plan.stance >= 0;
+    arm_fade_ += (period_s_ / kFade_s) * ((walking ? 1.0 : 0.0) - arm_fade_);
+    if (walking) arm_phase_ = plan.gait.step % 2 + plan.gait.phase;  // even steps swing the left foot forward
+    const double left_back = -gait_.arm_swing_rad * arm_fade_ * std::cos(kPi * arm_phase_);
+    SetJoint(robot_.shoulders[0], left_back, 1);
+    SetJoint(robot_.shoulders[1], -left_back, 1);
+  }
+
+  void MoveNeck(double time) {
+    double pan = 0;
+    if (path_.kind == "stand") {
+      const double since = std::max(0.0, time - path_.settle_s), left = std::max(0.0, path_.duration_s - since);
+      const double fade = std::clamp(std::min(since, left) / kFade_s, 0.0, 1.0);
+      pan = fade * path_.pan_amplitude_rad * std::sin(2 * kPi * since / path_.pan_period_s);
+    }
+    SetJoint(robot_.neck_pan, pan, 2);
+    SetJoint(robot_.neck_tilt, path_.head_tilt_rad, 1);
+  }
+
+  /// `angle` about the positive axis (0 x, 1 y, 2 z) of the trunk, whatever the sense in which the joint counts.
+  void SetJoint(int joint, double angle, int axis) {
+    if (joint < 0) return;
+    const RobotJoint& j = robot_.joints[size_t(joint)];
+    const double target = j.axis[axis] < 0 ? -angle : angle;
+    const bool endless = j.kind == RobotJoint::Kind::kContinuous;
+    targets_[size_t(joint)] = endless ? target : std::clamp(target, j.lower, j.upper);
+  }
+
+  Robot robot_;
+  WalkerOptions options_;
+  GaitOptions gait_;
+  PathOptions path_;
+  double period_s_;
+  GaitPlan plan_;
+  StateEstimator estimator_;
+  std::vector<double> targets_, initial_joints_;
+  std::optional<Posture::Solution> solution_;
+  Course course_;
+  int course_step_ = -1;
+  PlanarPose X_WP_;
+  Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();
+  double arm_fade_ = 0, arm_phase_ = 0;
+};
+
+}  // namespace
+
+WalkerOptions ReadWalkerOptions(const Robot& robot) {
+  struct Setter {
+    const Robot& robot;
+    std::vector<std::string> known;
+    void operator()(std::string_view key, double& value, const Interval&, std::string_view) {
+      known.emplace_back(key);
+      const auto found = robot.control.find(known.back());
+      if (found != robot.control.end()) value = found->second;
+    }
+  };
+  WalkerOptions options;
+  Setter setter{robot, {}};
+  VisitFields(setter, options);
+  for (const auto& [key, value] : robot.control) {
+    if (std::find(setter.known.begin(), setter.known.end(), key) != setter.known.end()) continue;
+    const std::string near = NearestWord(key, setter.known);
+    throw BadInput(robot.yaml_file.string() + ": control." + key + " is unknown" +
+                   (near.empty() ? "" : "; did you mean " + near + "?"));
+  }
+  CheckFields(options, robot.name + ": control.");
+  return options;
+}
+
+std::unique_ptr<Controller> MakeWalker(const Robot& robot, const mjModel* nominal, const GaitOptions& gait,
+                                       const PathOptions& path, const PhysicsOptions& physics, const Pose& start) {
+  CheckGait(robot, nominal, gait, path, physics);
+  return std::make_unique<Walker>(robot, nominal, gait, path, physics, start);
+}
+
+double EstimateWalkingTime(const GaitOptions& gait, const PathOptions& path) {
+  if (path.kind == "stand") return 2 * path.settle_s + path.duration_s;
+  FootstepPlanner planner(gait, {}, Path(path, {}));
+  while (!planner.complete()) planner.Append({});
+  return 2 * path.settle_s + (planner.count() - 2) * gait.period_s;
+}
+
+}  // namespace gaitcam

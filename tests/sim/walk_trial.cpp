@@ -1,0 +1,159 @@
+#include "tests/sim/walk_trial.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "algorithms/core/random.h"
+#include "sim/walker.h"
+
+namespace gaitcam {
+namespace {
+
+double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// An empty floor: nothing to bump into and nothing to draw.
+Place EmptyFloor() {
+  Place place;
+  place.name = "empty";
+  place.floor_min = {-100, -100};
+  place.floor_max = {100, 100};
+  return place;
+}
+
+/// Readings of a consumer-grade IMU and of servo potentiometers.
+class Readings {
+ public:
+  Readings(uint64_t seed, double noise) : random_(seed, "walk_trial"), noise_(noise) {
+    for (int i = 0; i < 3; ++i) gyro_bias_[i] = noise * random_.Normal(0, 0.01);
+    for (int i = 0; i < 3; ++i) accel_bias_[i] = noise * random_.Normal(0, 0.1);
+  }
+
+  ControlInput Read(const World& world, const PathOptions& path) {
+    ControlInput input;
+    input.stamp_ns = world.stamp_ns();
+    const auto sensor = [&](const char* name) {
+      const int id = mj_name2id(world.model(), mjOBJ_SENSOR, name);
+      return Eigen::Vector3d(
+          Eigen::Map<const Eigen::Vector3d>(world.data()->sensordata + world.model()->sensor_adr[id]));
+    };
+    input.imu.angular_rate = sensor("gyro") + gyro_bias_ + Noise(0.01);
+    input.imu.specific_force = sensor("accelerometer") + accel_bias_ + Noise(0.1);
+    input.joints.position = world.JointPositions();
+    for (double& q : input.joints.position) q += noise_ * random_.Normal(0, 0.001);
+    input.joints.left_contact = world.FootContact(0);
+    input.joints.right_contact = world.FootContact(1);
+    if (path.feedback == "truth") input.X_WB = world.X_WB();
+    return input;
+  }
+
+ private:
+  Eigen::Vector3d Noise(double sigma) {
+    Eigen::Vector3d v;
+    for (int i = 0; i < 3; ++i) v[i] = noise_ * random_.Normal(0, sigma);
+    return v;
+  }
+
+  RandomStream random_;
+  double noise_;
+  Eigen::Vector3d gyro_bias_, accel_bias_;
+};
+
+/// What happened along the way.
+class Log {
+ public:
+  Log(const Path& path, WalkTrialResult& result) : path_(path), result_(result) {}
+
+  void AtTick(const World& world, const GaitState& gait) {
+    const Pose X_WB = world.X_WB();
+    result_.most_tilt_rad = std::max(result_.most_tilt_rad, std::acos(std::clamp(X_WB.R()(2, 2), -1.0, 1.0)));
+    if (gait.step >= 6) AddHeadRate(world);
+    if (gait.step == last_step_) return;
+    last_step_ = gait.step;
+    const Eigen::Vector2d here = X_WB.translation.head<2>();
+    if (gait.step == 0) begin_s_ = 1e-9 * double(world.stamp_ns());
+    if (gait.step > 0) {
+      // Over two steps: the sway from side to side is no way.
+      if (gait.step % 2 == 0) {
+        result_.distance_m += (here - last_).norm();
+        last_ = here;
+        end_s_ = 1e-9 * double(world.stamp_ns());
+        result_.speed_m_s = result_.distance_m / (end_s_ - begin_s_);
+      }
+      result_.path_error_m.push_back(path_.DistanceTo(here));
+    } else {
+      last_ = here;
+    }
+  }
+
+  void Finish() {
+    if (rate_count_ > 0) result_.head_rate_rms = (rate_square_ / rate_count_).cwiseSqrt();
+  }
+
+ private:
+  void AddHeadRate(const World& world) {
+    double velocity[6];
+    mj_objectVelocity(world.model(), world.data(), mjOBJ_CAMERA, 0, velocity, 1);
+    // Camera x right, y up, z back: pitch is about x, yaw about y, roll about -z.
+    const Eigen::Vector3d rate(-velocity[2], -velocity[0], velocity[1]);
+    rate_square_ += rate.cwiseProduct(rate);
+    ++rate_count_;
+  }
+
+  const Path& path_;
+  WalkTrialResult& result_;
+  int last_step_ = -1;
+  Eigen::Vector2d last_ = Eigen::Vector2d::Zero();
+  double begin_s_ = 0, end_s_ = 0;
+  Eigen::Vector3d rate_square_ = Eigen::Vector3d::Zero();
+  int rate_count_ = 0;
+};
+
+}  // namespace
+
+Robot ReadShippedRobot(const std::string& name) {
+  return ReadRobot(name, std::filesystem::path(GAITCAM_SOURCE_DIR) / "models");
+}
+
+WalkTrialResult RunWalkTrial(const Robot& robot, const GaitOptions& gait, const WalkTrialOptions& options) {
+  const double begin = Now();
+  WorldCamera camera;
+  camera.name = "head";
+  World world(robot, EmptyFloor(), options.physics, {camera}, options.seed);
+  world.ScaleServos(gait.servo_stiffness, gait.neck_stiffness);
+  const auto walker = MakeWalker(robot, world.nominal_model(), gait, options.path, options.physics, {});
+  world.Place(walker->InitialRoot(), walker->InitialJoints());
+  Readings readings(options.seed, options.sensor_noise);
+  const Path path(options.path, {});
+  WalkTrialResult result;
+  Log log(path, result);
+
+  while (!walker->Finished() && 1e-9 * double(world.stamp_ns()) < options.longest_s) {
+    const double control_begin = Now();
+    world.SetTargets(walker->Update(readings.Read(world, options.path)));
+    result.control_wall_s += Now() - control_begin;
+    const int64_t until = world.stamp_ns() + world.control_period_ns();
+    while (world.stamp_ns() < until) world.Step();
+    world.record().DropBefore(world.stamp_ns());
+    log.AtTick(world, walker->gait());
+    if (world.HasFallen()) {
+      result.fell = true;
+      result.fell_at_m = result.distance_m;
+      break;
+    }
+  }
+  log.Finish();
+  result.finished = walker->Finished();
+  result.end_s = 1e-9 * double(world.stamp_ns());
+  result.end = PlanarPose(world.X_WB());
+  result.last_qpos.assign(world.data()->qpos, world.data()->qpos + world.model()->nq);
+  result.wall_s = Now() - begin;
+  return result;
+}
+
+WalkTrialResult RunWalkTrial(const WalkTrialOptions& options) {
+  const Robot robot = ReadShippedRobot(options.robot);
+  return RunWalkTrial(robot, robot.gaits.at(options.preset), options);
+}
+
+}  // namespace gaitcam
