@@ -13,4 +13,13 @@ namespace gaitcam {
 /// and 1/f amplitude spectrum of natural images (Lee, Mumford and Huang, "Occlusion models for natural images", 2001).
 cv::Mat MakeDeadLeaves(const TextureOptions& options, cv::Size size, RandomStream& random);
 
+/// Clouds with the 1/f amplitude spectrum of natural images in brightness and, weaker, in colour.
+cv::Mat MakePink(const TextureOptions& options, cv::Size size, RandomStream& random);
+
+/// A printed poster: headline, photographs (dead leaves), plots and paragraphs in columns, perhaps a frame.
+cv::Mat MakePoster(const TextureOptions& options, cv::Size size, RandomStream& random);
+
+/// A cork board with sheets pinned to it.
+cv::Mat MakeNoticeBoard(const TextureOptions& options, cv::Size size, RandomStream& random);
+
 }  // namespace gaitcam

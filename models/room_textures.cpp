@@ -7,40 +7,6 @@
 #include "models/texture_paint.h"
 
 namespace gaitcam {
-namespace {
-
-/// Rows of words as they look from too far to read: letters are upright strokes of random height.
-void DrawWords(cv::Mat& bgr, const cv::Rect& area, int letter_px, const cv::Scalar& color, RandomStream& random) {
-  const int line = letter_px * 2;
-  for (int y = area.y; y + letter_px <= area.br().y; y += line) {
-    const int end = area.x + int(area.width * random.Uniform(0.6, 1.0));
-    for (int x = area.x; x + letter_px < end;) {
-      for (int letters = 2 + random.Index(7); letters > 0 && x + letter_px < end; --letters) {
-        const int width = std::max(2, letter_px * (2 + random.Index(3)) / 5), stroke = std::max(1, letter_px / 5);
-        const int top = random.Uniform() < 0.3 ? 0 : letter_px / 4;
-        cv::rectangle(bgr, {x, y + top, stroke, letter_px - top}, color, cv::FILLED);
-        if (random.Uniform() < 0.6) {
-          const int bar = top + random.Index(std::max(1, letter_px - top));
-          cv::rectangle(bgr, {x, y + bar, width, stroke}, color, cv::FILLED);
-        }
-        if (random.Uniform() < 0.5)
-          cv::rectangle(bgr, {x + width - stroke, y + letter_px / 4, stroke, letter_px * 3 / 4}, color, cv::FILLED);
-        x += width + stroke;
-      }
-      x += letter_px / 2;
-    }
-  }
-}
-
-cv::Scalar RandomColor(RandomStream& random, double low, double high) {
-  const double value = random.Uniform(low, high);
-  Eigen::Vector3d rgb;
-  for (int c = 0; c < 3; ++c) rgb[c] = value + random.Uniform(-0.18, 0.18);
-  return Bgr(rgb.cwiseMax(0).cwiseMin(1));
-}
-
-}  // namespace
-
 cv::Mat MakePaint(const TextureOptions& o, cv::Size size, RandomStream& random) {
   const cv::Mat shading = Enlarge(FractalNoise(size / 16, 4, 1, 0.6, random), 16, 16);
   const cv::Mat roller = FractalNoise(size, 8, 1, 0.8, random);
@@ -130,6 +96,37 @@ cv::Mat MakeBooks(const TextureOptions& o, cv::Size size, RandomStream& random) 
     }
     x += width;
   }
+  return bgr;
+}
+
+cv::Mat MakeDoor(const TextureOptions& o, cv::Size size, RandomStream& random) {
+  cv::Mat grain = FractalNoise({RoundUp(size.width, 16), RoundUp(size.height, 16)}, 16, 1, 0.8, random);
+  grain = 1 + 0.02 * o.contrast * grain;
+  const Eigen::Vector3d leaf = o.rgb * random.Uniform(0.85, 1.1);
+  cv::Mat bgr = Tint(grain, leaf.cwiseMin(1))(cv::Rect({0, 0}, size)).clone();
+  const double px = o.px_per_m;
+  const int frame = std::max(2, int(0.06 * px)), line = std::max(1, int(0.008 * px));
+  cv::rectangle(bgr, {0, 0, size.width, size.height + frame}, Bgr({0.45, 0.46, 0.48}), 2 * frame);
+  cv::rectangle(bgr, {frame, frame, size.width - 2 * frame, size.height}, Bgr({0.12, 0.12, 0.12}), line);
+  const int inset = frame + size.width / 9;
+  const bool window = random.Uniform() < 0.4;
+  for (const auto& [top, bottom] : {std::pair(0.08, 0.42), std::pair(0.52, 0.93)}) {
+    const cv::Rect panel(inset, int(top * size.height), size.width - 2 * inset, int((bottom - top) * size.height));
+    if (window && top < 0.3) cv::rectangle(bgr, panel, Bgr({0.3, 0.36, 0.4}), cv::FILLED);
+    cv::rectangle(bgr, panel, Bgr(0.6 * leaf), 2 * line);
+    cv::rectangle(bgr, panel + cv::Point(line, line), Bgr((1.2 * leaf).cwiseMin(1)), line);
+  }
+  const int handle_x = frame + size.width / 14, handle_y = int(0.5 * size.height);
+  cv::rectangle(bgr, {handle_x, handle_y, std::max(2, int(0.11 * px)), std::max(2, int(0.02 * px))},
+                Bgr({0.8, 0.8, 0.82}), cv::FILLED);
+  cv::circle(bgr, {handle_x, handle_y + int(0.09 * px)}, std::max(1, int(0.015 * px)), Bgr({0.1, 0.1, 0.1}), cv::FILLED,
+             cv::LINE_AA);
+  const cv::Rect sign(size.width / 2 - int(0.1 * px), int(0.445 * size.height), int(0.2 * px), int(0.1 * px));
+  cv::rectangle(bgr, sign, cv::Scalar(235, 235, 235), cv::FILLED);
+  DrawWords(bgr, {sign.x + 3, sign.y + 2, sign.width - 6, sign.height - 2}, 0.03 * px, cv::Scalar(40, 40, 40), random);
+  Wear wear(size);
+  wear.AddSpots(int(10 * o.size_m.prod()), 0.0015 * px, 0.006 * px, 0.25 * o.contrast, random);
+  wear.ApplyTo(bgr);
   return bgr;
 }
 

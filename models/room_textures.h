@@ -21,4 +21,7 @@ cv::Mat MakeCardboard(const TextureOptions& options, cv::Size size, RandomStream
 /// One tier of a bookshelf: spines of different width, height and colour with titles. `unit_m` is the usual thickness.
 cv::Mat MakeBooks(const TextureOptions& options, cv::Size size, RandomStream& random);
 
+/// A door in its frame: panels, a handle, a sign.
+cv::Mat MakeDoor(const TextureOptions& options, cv::Size size, RandomStream& random);
+
 }  // namespace gaitcam

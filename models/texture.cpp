@@ -29,12 +29,20 @@ const std::vector<Kind>& Kinds() {
   static const std::vector<Kind> kinds = {
       {"books", {0.8, 0.3}, 500, 0.032, {0.5, 0.5, 0.5}, 16, MakeBooks},
       {"cardboard", {0.5, 0.4}, 500, 0.008, {0.66, 0.5, 0.34}, 16, MakeCardboard},
+      {"carpet", {4, 4}, 512, 0.5, {0.4, 0.42, 0.46}, 128, MakeCarpet},
       {"concrete", {4, 4}, 400, 0.3, {0.6, 0.59, 0.57}, 128, MakeConcrete},
       {"dead_leaves", {0.6, 0.8}, 500, 0.3, {0.5, 0.5, 0.5}, 16, MakeDeadLeaves},
+      {"door", {1.0, 2.1}, 300, 0, {0.62, 0.5, 0.36}, 16, MakeDoor},
+      {"field", {7.4, 5.6}, 320, 0.05, {0.16, 0.42, 0.2}, 128, MakeField},
       {"image", {1, 1}, 0, 0, {0.5, 0.5, 0.5}, 1, nullptr},
+      {"notice_board", {1.2, 0.9}, 500, 0.01, {0.62, 0.46, 0.3}, 16, MakeNoticeBoard},
       {"paint", {2, 2}, 256, 0.02, {0.82, 0.81, 0.77}, 64, MakePaint},
-      {"planks", {4, 4}, 512, 0.115, {0.64, 0.47, 0.31}, 128, MakePlanks},
-      {"wood", {1.2, 1.2}, 400, 0.045, {0.68, 0.5, 0.33}, 256, MakeWood},
+      {"pink", {0.6, 0.8}, 500, 0, {0.5, 0.5, 0.5}, 16, MakePink},
+      {"planks", {4, 4}, 512, 0.115, {0.62, 0.47, 0.33}, 128, MakePlanks},
+      {"poster", {0.6, 0.8}, 500, 0, {0.5, 0.5, 0.5}, 16, MakePoster},
+      {"terrazzo", {2.4, 2.4}, 640, 0.02, {0.72, 0.7, 0.66}, 64, MakeTerrazzo},
+      {"tiles", {3.6, 3.6}, 512, 0.3, {0.7, 0.67, 0.62}, 128, MakeTiles},
+      {"wood", {1.2, 1.2}, 400, 0.045, {0.66, 0.5, 0.34}, 256, MakeWood},
   };
   return kinds;
 }
