@@ -1,5 +1,5 @@
-#include <unistd.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -37,8 +37,9 @@ std::vector<Finding> Findings() {
   findings.push_back(Examine("data folder", [] { return DataFolder().string(); }));
   findings.push_back(Examine("EGL", [] {
     const EglContext gl;
-    return fmt::format("{}, {}, OpenGL {}{}", gl.vendor(), gl.renderer(), gl.version(),
-                       gl.is_software() ? " -- SOFTWARE RENDERING: correct, but 40 to 400 times slower than a GPU" : "");
+    return fmt::format(
+        "{}, {}, OpenGL {}{}", gl.vendor(), gl.renderer(), gl.version(),
+        gl.is_software() ? " -- SOFTWARE RENDERING: correct, but 40 to 400 times slower than a GPU" : "");
   }));
   findings.push_back(Examine("report charts", [] {
     ReportHtml(ReportInput{});

@@ -98,8 +98,9 @@ int Fail(int code, const std::string& line) {
 
 int CommandLine(int argc, char** argv) {
   Arguments a;
-  CLI::App app("gaitcam makes a humanoid walk, films the walk with a real exposure, runs visual SLAM on it and scores it.",
-               "gaitcam");
+  CLI::App app(
+      "gaitcam makes a humanoid walk, films the walk with a real exposure, runs visual SLAM on it and scores it.",
+      "gaitcam");
   app.require_subcommand(1);
   app.set_version_flag("--version", GAITCAM_VERSION);
   app.fallthrough();

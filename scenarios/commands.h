@@ -18,7 +18,7 @@ struct CommonOptions {
 /// Which scenario, and what differs from its file.
 struct ScenarioArguments {
   std::filesystem::path file;
-  std::vector<std::string> sets;      ///< key=value, applied in order.
+  std::vector<std::string> sets;  ///< key=value, applied in order.
   std::optional<uint64_t> seed;
   std::optional<std::string> system;
 
@@ -28,24 +28,24 @@ struct ScenarioArguments {
 
 struct RunArguments {
   ScenarioArguments scenario;
-  std::filesystem::path out;          ///< Empty: runs/NAME-SYSTEM-seedN.
+  std::filesystem::path out;  ///< Empty: runs/NAME-SYSTEM-seedN.
 };
 int RunCommand(const RunArguments& arguments, const CommonOptions& common);
 
 struct RecordArguments {
   ScenarioArguments scenario;
   std::string format = "tum";
-  std::filesystem::path out;          ///< Empty: datasets/NAME-seedN.
-  bool truth_inside = false;          ///< Also put the truth where the layout's own tools look for it.
+  std::filesystem::path out;  ///< Empty: datasets/NAME-seedN.
+  bool truth_inside = false;  ///< Also put the truth where the layout's own tools look for it.
 };
 int RecordCommand(const RecordArguments& arguments, const CommonOptions& common);
 
 struct TrackArguments {
   std::filesystem::path dataset;
   std::string system = "sift_vo";
-  std::vector<std::string> sets;      ///< name=number, settings of the system.
+  std::vector<std::string> sets;  ///< name=number, settings of the system.
   uint64_t seed = 1;
-  std::filesystem::path out;          ///< Trajectory file (TUM); empty: estimate-SYSTEM.txt in the working folder.
+  std::filesystem::path out;  ///< Trajectory file (TUM); empty: estimate-SYSTEM.txt in the working folder.
 };
 int TrackCommand(const TrackArguments& arguments, const CommonOptions& common);
 
@@ -53,7 +53,7 @@ struct ScoreArguments {
   std::filesystem::path estimate, truth;
   double tolerance_s = 0.01;
   std::string association = "one_to_one";
-  std::filesystem::path out;          ///< scores.json; empty: none.
+  std::filesystem::path out;  ///< scores.json; empty: none.
 };
 int ScoreCommand(const ScoreArguments& arguments, const CommonOptions& common);
 

@@ -21,6 +21,13 @@ const char* Name(SupportPhase support) {
 
 }  // namespace
 
+TruthOptions RunLog::WantedTruth() const {
+  TruthOptions wanted;
+  wanted.sharp = frames() % twin_stride_ == 0;
+  wanted.depth = false;
+  return wanted;
+}
+
 void RunLog::Add(const SimulatedFrame& frame) {
   const FrameTruth& truth = frame.truth;
   KeepTwin(frame);
@@ -80,9 +87,10 @@ std::string RunLog::ToCsv(const Estimate& estimate) const {
   const std::vector<ReportFrame> frames = ReportFrames(estimate);
   for (size_t i = 0; i < frames.size(); ++i) {
     const ReportFrame& f = frames[i];
-    csv += fmt::format("{},{},{:d},{},{},{:.3f},{:.3f},{:.3f},{},{},{:.3f},{},{:d},{:d}\n", f.stamp_ns, ToString(f.status),
-                       f.restarted, f.features, f.inliers, f.blur_median_px, f.blur_p90_px, f.blur_max_px,
-                       entries_[i].subframes, f.step, f.phase, Name(entries_[i].support), f.left_contact, f.right_contact);
+    csv +=
+        fmt::format("{},{},{:d},{},{},{:.3f},{:.3f},{:.3f},{},{},{:.3f},{},{:d},{:d}\n", f.stamp_ns, ToString(f.status),
+                    f.restarted, f.features, f.inliers, f.blur_median_px, f.blur_p90_px, f.blur_max_px,
+                    entries_[i].subframes, f.step, f.phase, Name(entries_[i].support), f.left_contact, f.right_contact);
   }
   return csv;
 }

@@ -1,4 +1,5 @@
-/// What a run leaves behind frame by frame: true poses, blur, gait, and a few pictures. Grows by some 200 bytes a frame.
+/// What a run leaves behind frame by frame: true poses, blur, gait, and a few pictures. Grows by some 200 bytes a
+/// frame.
 
 #pragma once
 
@@ -14,6 +15,8 @@ namespace gaitcam {
 
 class RunLog {
  public:
+  /// What the next frame's truth must hold: pictures cost time and are kept of few frames.
+  TruthOptions WantedTruth() const;
   void Add(const SimulatedFrame& frame);
 
   const Trajectory& truth() const { return truth_; }

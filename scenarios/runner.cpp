@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "algorithms/core/errors.h"
@@ -79,7 +80,8 @@ std::string Subtitle(const ResolvedScenario& resolved) {
 
 /// scores.json says how the run ended beside what the scores are: a fall is never silent.
 std::string ScoresFile(const ReportInput& report, const Scores* scores, const Simulation& simulation, uint64_t seed) {
-  nlohmann::ordered_json json = scores ? nlohmann::ordered_json::parse(ScoresToJson(*scores)) : nlohmann::ordered_json();
+  nlohmann::ordered_json json =
+      scores ? nlohmann::ordered_json::parse(ScoresToJson(*scores)) : nlohmann::ordered_json();
   nlohmann::ordered_json run;
   run["status"] = StatusText(report.end);
   run["end_time_s"] = report.end_time_s;
@@ -124,7 +126,7 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   RunLog log;
   Progress progress(scenario.name, simulation.ExpectedFrames(), options.quiet);
   while (!options.interrupted()) {
-    std::optional<SimulatedFrame> frame = simulation.Next();
+    std::optional<SimulatedFrame> frame = simulation.Next(log.WantedTruth());
     if (!frame) break;
     log.Add(*frame);
     film.Add(*frame, simulation);

@@ -13,20 +13,20 @@
 namespace gaitcam {
 
 struct RunOptions {
-  std::filesystem::path out;             ///< Folder of the results; replaced if it is an older run.
+  std::filesystem::path out;  ///< Folder of the results; replaced if it is an older run.
   bool quiet = false;
   std::function<bool()> interrupted = [] { return false; };
 };
 
 struct RunOutcome {
   std::filesystem::path folder;
-  std::string status;                    ///< "finished", "fell" or "interrupted".
+  std::string status;  ///< "finished", "fell" or "interrupted".
   double end_time_s = 0;
   Scores scores;
 };
 
-/// Runs a scenario into a folder: estimate.txt, truth.txt (TUM format), frames.csv, scores.json, scenario.yaml (resolved),
-/// walk.mp4 and report.html. What was filmed until a fall or an interrupt is kept and scored.
+/// Runs a scenario into a folder: estimate.txt, truth.txt (TUM format), frames.csv, scores.json, scenario.yaml
+/// (resolved), walk.mp4 and report.html. What was filmed until a fall or an interrupt is kept and scored.
 /// @throws BadInput, MissingResource; TooLittleData when too little was covered to score (the folder is written all the
 /// same, its scores.json saying why).
 RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& options);

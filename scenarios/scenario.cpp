@@ -94,7 +94,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   ResolveGait(root, resolved.robot, scenario.gait);
   try {
     MakeSystem(scenario.system.name,
-               {CameraRig(scenario.camera).calibration(), scenario.seed, scenario.system.settings});
+               {CameraRig(scenario.camera, scenario.seed).MakeCalibration(), scenario.seed, scenario.system.settings});
   } catch (const BadInput& e) {
     fail_at("system", e);
   }

@@ -7,7 +7,8 @@
 
 namespace gaitcam {
 
-TrackingThread::TrackingThread(std::unique_ptr<System> system) : system_(std::move(system)), thread_([this] { Run(); }) {}
+TrackingThread::TrackingThread(std::unique_ptr<System> system)
+    : system_(std::move(system)), thread_([this] { Run(); }) {}
 
 TrackingThread::~TrackingThread() { Join(); }
 

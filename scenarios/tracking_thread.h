@@ -11,8 +11,8 @@
 
 namespace gaitcam {
 
-/// The system sees the same observations in the same order, however fast the producer is. What it throws is thrown again
-/// at the producer.
+/// The system sees the same observations in the same order, however fast the producer is. What it throws is thrown
+/// again at the producer.
 class TrackingThread {
  public:
   explicit TrackingThread(std::unique_ptr<System> system);

@@ -12,7 +12,7 @@ namespace gaitcam {
 
 Facts LibraryVersions() {
   return {{"gaitcam", GAITCAM_VERSION},
-          {"MuJoCo", MuJoCoVersion()},
+          {"MuJoCo", mj_versionString()},
           {"OpenCV", CV_VERSION},
           {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
           {"Ceres", CERES_VERSION_STRING},

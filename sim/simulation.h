@@ -4,11 +4,12 @@
 
 #include <memory>
 #include <optional>
-#include <string>
+#include <vector>
 
 #include "algorithms/core/observation.h"
 #include "sim/camera_rig.h"
 #include "sim/controller.h"
+#include "sim/egl_context.h"
 #include "sim/omni_drive.h"
 #include "sim/path.h"
 #include "sim/renderer.h"
@@ -25,15 +26,14 @@ struct SimulationOptions {
   CameraOptions camera;
   SensorOptions sensors;
   double duration_s = 0;                 ///< 0: until the path ends.
-  std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg.
-  TruthOptions truth;
+  std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg; the place's own if absent.
 };
 
 /// What is true at one frame; never shown to an estimator.
 struct FrameTruth {
   int64_t stamp_ns = 0;
-  ExposureTruth camera;                  ///< Of the left camera, or the only one.
-  Pose X_WB;                             ///< The robot's root.
+  ExposureTruth camera;  ///< Of the left camera, or the only one.
+  Pose X_WB;             ///< The robot's root.
   GaitState gait;
   bool left_contact = false, right_contact = false;
 };
@@ -60,8 +60,9 @@ class Simulation {
   const Calibration& calibration() const { return calibration_; }
   const EglContext& gl() const { return gl_; }
 
-  /// Walks on to the end of the next exposure. @returns nothing when the run is over: see status().
-  std::optional<SimulatedFrame> Next();
+  /// Walks on to the end of the next exposure. @param truth which costly parts of the truth are wanted.
+  /// @returns nothing when the run is over: see status().
+  std::optional<SimulatedFrame> Next(const TruthOptions& truth = {});
 
   SimulationStatus status() const { return status_; }
   /// Seconds from the start at which the robot fell, or the run ended.
@@ -77,6 +78,7 @@ class Simulation {
  private:
   bool WalkUntil(int64_t stamp_ns);
   void Control();
+  void End(SimulationStatus status);
 
   SimulationOptions options_;
   EglContext gl_;
@@ -87,12 +89,14 @@ class Simulation {
   Renderer renderer_;
   Calibration calibration_;
   int64_t frame_ = 0;
-  int64_t last_control_ns_ = -1;
   SimulationStatus status_ = SimulationStatus::kWalking;
   double end_time_s_ = 0, distance_m_ = 0;
-  std::optional<Eigen::Vector2d> last_position_;
-  std::vector<ImuSample> imu_;
-  std::vector<JointSample> joints_;
+  Eigen::Vector2d last_position_;
+  std::vector<JointSample> joints_;  ///< Since the last frame, one per control period.
 };
+
+/// Whether a robot can do what the options ask, without running it: the model compiles, the gait is within reach.
+/// @throws BadInput or BadOption naming the limit.
+void CheckSimulation(const Robot& robot, const gaitcam::Place& place, const SimulationOptions& options, uint64_t seed);
 
 }  // namespace gaitcam
