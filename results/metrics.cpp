@@ -106,21 +106,21 @@ Eigen::Vector3d RotationVector(const Eigen::Quaterniond& from, const Eigen::Quat
 /// Indices where the heading changes its direction of turning for good, the ends included.
 std::vector<size_t> TurningPoints(const std::vector<double>& heading, double hysteresis) {
   std::vector<size_t> points = {0};
-  size_t lowest = 0, highest = 0;  // since the last point
-  int direction = 0;               // +1 left, -1 right, 0 not known yet
+  size_t extreme = 0, lowest = 0, highest = 0;  // the furthest in the present direction; while there is none, both ways
+  int direction = 0;                            // +1 left, -1 right, 0 not known yet
   for (size_t i = 1; i < heading.size(); ++i) {
-    if (heading[i] > heading[highest]) highest = i;
-    if (heading[i] < heading[lowest]) lowest = i;
-    const bool fell_back = heading[highest] - heading[i] > hysteresis;
-    const bool rose_again = heading[i] - heading[lowest] > hysteresis;
-    if (direction >= 0 && fell_back) {
-      if (highest > points.back()) points.push_back(highest);
-      direction = -1;
-      lowest = highest = i;
-    } else if (direction <= 0 && rose_again) {
-      if (lowest > points.back()) points.push_back(lowest);
-      direction = +1;
-      lowest = highest = i;
+    if (direction == 0) {
+      if (heading[i] > heading[highest]) highest = i;
+      if (heading[i] < heading[lowest]) lowest = i;
+      if (heading[i] - heading[lowest] > hysteresis) direction = +1;
+      if (heading[highest] - heading[i] > hysteresis) direction = -1;
+      extreme = i;
+    } else if (direction * (heading[i] - heading[extreme]) > 0) {
+      extreme = i;
+    } else if (direction * (heading[extreme] - heading[i]) > hysteresis) {
+      points.push_back(extreme);
+      direction = -direction;
+      extreme = i;
     }
   }
   if (heading.size() > 1) points.push_back(heading.size() - 1);
