@@ -15,6 +15,7 @@
 #include <sstream>
 
 #include "algorithms/core/errors.h"
+#include "results/video.h"
 #include "tests/results/synthetic.h"
 
 namespace gaitcam {
@@ -150,8 +151,8 @@ Browsed Browse(const fs::path& page, const std::string& more = "") {
   const std::string command =
       "timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
       "--disable-background-networking --disable-component-update --disable-sync --user-data-dir='" +
-      profile.path().string() + "/profile' --enable-logging=stderr --virtual-time-budget=2000 " + more + " 'file://" +
-      page.string() + "' >'" + dom + "' 2>'" + log + "'";
+      profile.path().string() + "/profile' --enable-logging=stderr --virtual-time-budget=2000 --dump-dom " + more +
+      " 'file://" + page.string() + "' >'" + dom + "' 2>'" + log + "'";
   EXPECT_EQ(std::system(command.c_str()), 0) << ReadAll(log);
   Browsed result{ReadAll(dom), ""};
   std::istringstream lines(ReadAll(log));
@@ -174,16 +175,142 @@ fs::path PageFolder(const TemporaryFolder& temporary) {
 
 bool HaveChromium() { return std::system("command -v chromium >/dev/null") == 0; }
 
-TEST(Report, ABrowserDrawsEveryChartAndDoesNotComplain) {
+/// Counts of canvases and of those that show data, as the page itself found.
+void ExpectAllDrawn(const Browsed& browsed, const std::string& charts) {
+  EXPECT_EQ(browsed.complaints, "");
+  EXPECT_EQ(Attribute(browsed.dom, "data-charts"), charts);
+  EXPECT_EQ(Attribute(browsed.dom, "data-charts-drawn"), charts);
+}
+
+/// Two seconds of film beside the page; its first picture is the poster.
+void MakeFilm(const fs::path& path, ReportInput& input) {
+  VideoWriter writer(path);
+  for (int i = 0; i < 60; ++i) {
+    VideoFrame frame;
+    frame.camera = FloorPicture(i / 8);
+    frame.bystander = FloorPicture(3);
+    frame.time_s = i / 30.0;
+    frame.exposure_ms = 20;
+    frame.status = "tracking, 213 inliers";
+    if (i == 0) input.video_poster = ComposeVideoFrame(frame, 360);
+    writer.Add(frame);
+  }
+  writer.Finish();
+  input.video_file = path.filename();
+}
+
+TEST(Report, ABrowserDrawsEveryChartLoadsTheFilmAndDoesNotComplain) {
   if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
   const TemporaryFolder folder;
   const fs::path page = PageFolder(folder) / "report.html";
-  const MadeUpRun run;
+  MadeUpRun run;
+  MakeFilm(page.parent_path() / "walk.mp4", run.input);
   WriteReport(page, run.input);
-  const Browsed browsed = Browse(page, "--dump-dom");
-  EXPECT_EQ(browsed.complaints, "");
-  EXPECT_EQ(Attribute(browsed.dom, "data-charts"), "8");  // two paths, heading, two errors, blur, inliers, feet
-  EXPECT_EQ(Attribute(browsed.dom, "data-charts-drawn"), "8");
+  // The page leaves the film alone until somebody presses play; the test loads it and notes what it says of itself.
+  std::ofstream(page, std::ios::app)
+      << "<script>{const v = document.querySelector('video'); v.addEventListener('loadeddata', () => {"
+         "document.body.dataset.film = v.videoWidth + 'x' + v.videoHeight + ' ' + v.duration.toFixed(1); });"
+         "v.preload = 'auto'; v.load();}</script>";
+  const Browsed browsed = Browse(page, "--window-size=1280,1000");
+  ExpectAllDrawn(browsed, "8");  // two paths, heading, two errors, blur, inliers, feet
+  EXPECT_EQ(Attribute(browsed.dom, "data-film"), "962x390 2.0");
+}
+
+TEST(Report, ARunThatFellWithoutScoresIsToldLoudlyAndStillDrawn) {
+  if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
+  const TemporaryFolder folder;
+  const fs::path page = PageFolder(folder) / "fell.html";
+  MadeUpRun run;
+  run.input.end = RunEnd::kFell;
+  run.input.end_time_s = 3.21;
+  run.input.software_renderer = true;
+  run.input.scores = nullptr;
+  run.input.no_scores_reason = "too little to score: 4 poses";
+  WriteReport(page, run.input);
+  const Browsed browsed = Browse(page, "--window-size=500,1000");
+  ExpectAllDrawn(browsed, "5");  // two paths, blur, inliers, feet
+  for (const char* text :
+       {"fell at 3.2 s", "The robot fell after 3.2 s.", "There are no scores.", "4 poses", "Rendered in software."}) {
+    EXPECT_THAT(browsed.dom, HasSubstr(text));
+  }
+}
+
+TEST(Report, ABrowserThatFindsABlankChartSaysSo) {
+  // The check above must be able to fail: a page whose blur is all unknown has one chart without data.
+  if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
+  const TemporaryFolder folder;
+  MadeUpRun run;
+  for (ReportFrame& f : run.input.frames) f.blur_median_px = f.blur_p90_px = f.blur_max_px = std::nan("");
+  WriteReport(folder.path() / "report.html", run.input);
+  const Browsed browsed = Browse(folder.path() / "report.html");
+  EXPECT_EQ(Attribute(browsed.dom, "data-charts"), "8");
+  EXPECT_EQ(Attribute(browsed.dom, "data-charts-drawn"), "7");
+}
+
+TEST(Report, IsOneFileThatAsksForNothingElse) {
+  const MadeUpRun run;
+  const std::string html = ReportHtml(run.input);
+  for (const std::string attribute : {" src=\"", " href=\"", " poster=\""}) {
+    for (size_t at = html.find(attribute); at != std::string::npos; at = html.find(attribute, at + 1)) {
+      EXPECT_EQ(html.compare(at + attribute.size(), 5, "data:"), 0) << html.substr(at, 80);
+    }
+  }
+  EXPECT_THAT(html, Not(HasSubstr("@import")));
+  EXPECT_THAT(html, Not(HasSubstr("url(")));
+}
+
+TEST(Report, WordsFromOutsideCannotBecomeMarkup) {
+  MadeUpRun run;
+  run.input.title = "</script><script>alert(1)</script> & \"co\"";
+  run.input.resolved_scenario = "note: <b>bold</b>";
+  run.input.facts = {{"<i>", "</main>"}};
+  const std::string html = ReportHtml(run.input);
+  EXPECT_THAT(html, Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(html, HasSubstr("&lt;/script&gt;&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;co&quot;"));
+  EXPECT_THAT(html, HasSubstr("note: &lt;b&gt;bold&lt;/b&gt;"));
+  EXPECT_THAT(html, Not(HasSubstr("<i>")));
+}
+
+TEST(Report, LowCoverageHasABannerAndGoodCoverageHasNone) {
+  MadeUpRun run;  // 89 %
+  EXPECT_THAT(ReportHtml(run.input), Not(HasSubstr("Low coverage")));
+  run.input.min_good_coverage_ratio = 0.95;
+  EXPECT_THAT(ReportHtml(run.input), HasSubstr("Low coverage: only 89 % of the frames have a pose."));
+}
+
+TEST(Report, AFinishedRunOnAGraphicsProcessorHasNoBanner) {
+  const MadeUpRun run;
+  EXPECT_THAT(ReportHtml(run.input), Not(HasSubstr("class=\"banner")));
+}
+
+TEST(Report, EveryScoreStandsInTheTable) {
+  const MadeUpRun run;
+  const std::string html = ReportHtml(run.input);
+  for (const auto* list : {&run.scores.scores, &run.scores.timing}) {
+    for (const Score& s : *list) EXPECT_THAT(html, HasSubstr("<code>" + s.name + "</code>"));
+  }
+}
+
+TEST(Report, WithoutChartJsNamesTheDebianPackageAndWritesNothing) {
+  const TemporaryFolder folder;
+  const MadeUpRun run;
+  try {
+    WriteReport(folder.path() / "report.html", run.input, {.chart_library = "/nowhere/chart.min.js"});
+    FAIL();
+  } catch (const MissingResource& error) {
+    EXPECT_THAT(error.what(), HasSubstr("libjs-chart.js"));
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Report, AnEmptyRunIsAPageAllTheSame) {
+  ReportInput input;
+  input.title = "nothing";
+  EXPECT_THAT(ReportHtml(input), HasSubstr("There are no scores."));
+}
+
+TEST(Report, AFolderThatIsNotThereIsAMissingResource) {
+  EXPECT_THROW(WriteReport("/nowhere/report.html", ReportInput()), MissingResource);
 }
 
 }  // namespace
