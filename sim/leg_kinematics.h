@@ -38,6 +38,7 @@ class LegKinematics {
   LegAngles FromJoints(const std::vector<double>& joints) const;  ///< Order of Robot::joints.
   void ToJoints(const LegAngles& angles, std::vector<double>& joints) const;
 
+  const std::array<int, 6>& joints() const { return joints_; }  ///< Indices into Robot::joints.
   const Eigen::Vector3d& hip() const { return hip_; }  ///< In B, m.
   double reach() const { return thigh_ + shank_; }     ///< Hip to ankle, stretched, m.
   double ankle_height() const { return -sole_.z(); }   ///< Over the sole, m.

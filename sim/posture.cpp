@@ -16,18 +16,37 @@ MassModel::MassModel(const Robot& robot, const mjModel* nominal) : model_(nomina
   for (const RobotJoint& joint : robot.joints) {
     const int id = mj_name2id(model_, mjOBJ_JOINT, joint.name.c_str());
     GAITCAM_ASSERT(id >= 0 || joint.kind == RobotJoint::Kind::kFixed);
-    qpos_address_.push_back(id < 0 ? -1 : model_->jnt_qposadr[id]);
+    joint_id_.push_back(id);
   }
+  mass_ = model_->body_subtreemass[root_body_];
+  gravity_.resize(size_t(model_->nv));
 }
 
 Eigen::Vector3d MassModel::CenterOfMass(const std::vector<double>& joints) {
-  GAITCAM_ASSERT(joints.size() == qpos_address_.size());
+  GAITCAM_ASSERT(joints.size() == joint_id_.size());
   for (size_t i = 0; i < joints.size(); ++i) {
-    if (qpos_address_[i] >= 0) data_->qpos[qpos_address_[i]] = joints[i];
+    if (joint_id_[i] >= 0) data_->qpos[model_->jnt_qposadr[joint_id_[i]]] = joints[i];
   }
   mj_kinematics(model_, data_.get());
   mj_comPos(model_, data_.get());
   return Eigen::Map<const Eigen::Vector3d>(data_->subtree_com + 3 * root_body_);
+}
+
+std::vector<double> MassModel::HoldingTorques(const std::array<Contact, 2>& contacts,
+                                              const std::array<std::array<int, 6>, 2>& leg_joints) {
+  mj_rne(model_, data_.get(), 0, gravity_.data());  // nothing moves: what remains is gravity
+  std::vector<double> torques(joint_id_.size(), 0.0);
+  for (size_t i = 0; i < torques.size(); ++i) {
+    if (joint_id_[i] >= 0) torques[i] = gravity_[size_t(model_->jnt_dofadr[joint_id_[i]])];
+  }
+  for (int side = 0; side < 2; ++side) {
+    for (const int joint : leg_joints[side]) {
+      const int id = joint_id_[size_t(joint)];
+      const Eigen::Map<const Eigen::Vector3d> axis(data_->xaxis + 3 * id), anchor(data_->xanchor + 3 * id);
+      torques[size_t(joint)] -= axis.dot((contacts[side].point - anchor).cross(contacts[side].force));
+    }
+  }
+  return torques;
 }
 
 Posture::Posture(const Robot& robot, const mjModel* nominal, double root_height, double lean)

@@ -23,11 +23,26 @@ class MassModel {
   /// In the root link's frame, m. @param joints in the order of Robot::joints.
   Eigen::Vector3d CenterOfMass(const std::vector<double>& joints);
 
+  /// A force that the floor exerts on a leg, in the root link's frame.
+  struct Contact {
+    Eigen::Vector3d point;  ///< m
+    Eigen::Vector3d force;  ///< N
+  };
+  /// Torques that hold the joints of the last CenterOfMass() still, the root upright: gravity on the links that a joint
+  /// carries, less what the floor takes. N m, in the order of Robot::joints; 0 for fixed joints.
+  /// @param leg_joints for each contact, the joints between root and foot.
+  std::vector<double> HoldingTorques(const std::array<Contact, 2>& contacts,
+                                     const std::array<std::array<int, 6>, 2>& leg_joints);
+
+  double mass() const { return mass_; }  ///< kg
+
  private:
   const mjModel* model_;
   MjDataPtr data_;
   int root_body_ = -1;
-  std::vector<int> qpos_address_;  ///< Per joint of the robot, -1 for fixed ones.
+  double mass_ = 0;
+  std::vector<int> joint_id_;  ///< In the model, per joint of the robot; -1 for fixed ones.
+  std::vector<double> gravity_;
 };
 
 class Posture {

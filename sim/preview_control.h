@@ -44,6 +44,7 @@ class PreviewControl {
 
   Eigen::Vector2d position() const { return state_.row(0); }
   Eigen::Vector2d velocity() const { return state_.row(1); }
+  Eigen::Vector2d acceleration() const { return state_.row(2); }
   /// Of the cart-table model, c x.
   Eigen::Vector2d Zmp() const { return output_ * state_; }
   /// The divergent component of motion, x + v / omega, which a ZMP pushes away from itself.

@@ -35,6 +35,7 @@ WalkPattern::WalkPattern(const GaitOptions& gait, const WalkPatternOptions& opti
   for (int j = 0; j < preview_.reference_count(); ++j) reference_.push_back(ZmpAt((j - 1) * options.control_period_s));
   PlaceFeet(-1, 0);
   targets_.posture.com = targets_.dcm = preview_.position();
+  targets_.acceleration.setZero();
 }
 
 const WalkTargets& WalkPattern::Advance(const PlanarPose& X_WP) {
@@ -49,6 +50,7 @@ const WalkTargets& WalkPattern::Advance(const PlanarPose& X_WP) {
   preview_.Update(reference_);
   targets_.posture.com = preview_.position();
   targets_.dcm = preview_.Dcm();
+  targets_.acceleration = preview_.acceleration();
   PlaceFeet(step, (time() - options_.settle_s) / gait_.period_s - step);
   return targets_;
 }
@@ -98,16 +100,20 @@ void WalkPattern::PlaceFeet(int step, double phase) {
   targets_.stance = -1;
   targets_.load = {0.5, 0.5};
   targets_.gait = {};
-  if (standing) return;
+  if (standing) {
+    if (step > 0) targets_.load[stance.side] = Mix(1, 0.5, std::clamp(phase / gait_.double_support_ratio, 0.0, 1.0));
+    targets_.load[other.side] = 1 - targets_.load[stance.side];
+    return;
+  }
 
   targets_.stance = stance.side;
   targets_.gait.step = step;
   targets_.gait.phase = std::clamp(phase, 0.0, 1.0);
   const double single_begin = gait_.double_support_ratio;
   if (phase < single_begin) {
-    const double shifted = 0.5 + 0.5 * phase / single_begin;
-    targets_.load[stance.side] = shifted;
-    targets_.load[other.side] = 1 - shifted;
+    const double moved = phase / single_begin;  // as the planned ZMP does
+    targets_.load[stance.side] = step == 0 ? Mix(0.5, 1, moved) : moved;
+    targets_.load[other.side] = 1 - targets_.load[stance.side];
     if (step > 0) {  // give back what the foot was pressed into the floor, or kept above it
       targets_.posture.X_PA[stance.side].translation.z() +=
           gait_.landing_offset_m * (1 - Quintic(phase / single_begin));

@@ -31,9 +31,10 @@ struct WalkTargets {
   Posture::Targets posture;  ///< Feet, heading and centre of mass, in the plan's frame.
   Eigen::Vector2d dcm;       ///< Divergent component of motion that goes with it, m.
   GaitState gait;
-  int stance = -1;                   ///< Side that carries the step, 0 or 1; -1 while standing.
-  std::array<double, 2> load{1, 1};  ///< How much of its stance duty each foot has: 0 in the air, 1 carrying alone.
-  double swing_phase = 0;            ///< 0 during double support, then 0..1.
+  int stance = -1;                       ///< Side that carries the step, 0 or 1; -1 while standing.
+  std::array<double, 2> load{0.5, 0.5};  ///< Planned share of the weight on each foot.
+  Eigen::Vector2d acceleration;          ///< Of the centre of mass, m/s^2.
+  double swing_phase = 0;                ///< 0 during double support, then 0..1.
 };
 
 class WalkPattern {

@@ -7,6 +7,7 @@
 #include "algorithms/core/errors.h"
 #include "sim/course.h"
 #include "sim/gait_plan.h"
+#include "sim/servo_feedforward.h"
 #include "sim/state_estimator.h"
 
 namespace gaitcam {
@@ -28,6 +29,7 @@ class Walker : public Controller {
         period_s_(physics.control_period_ms * 1e-3),
         plan_(PlanGait(robot, nominal, options_, gait, path, period_s_, start)),
         estimator_(robot, {options_.attitude_gain, options_.velocity_filter_s}, plan_.initial.X_PB),
+        feedforward_(robot, gait.servo_stiffness, period_s_, options_.feedforward),
         targets_(plan_.posture.joints()) {
     MoveNeck(0);
     initial_joints_ = targets_;
@@ -51,6 +53,7 @@ class Walker : public Controller {
     posture.com += shift_;
     solution_ = plan_.posture.Solve(posture, kSolveIterations);
     MoveLegs(plan);
+    AddFeedforward(plan);
     SwingArms(plan);
     MoveNeck(plan_.pattern.time());
     return targets_;
@@ -114,6 +117,24 @@ class Walker : public Controller {
     }
   }
 
+  /// The planned force of the floor on each foot: along the line from the ZMP to the centre of mass.
+  void AddFeedforward(const WalkTargets& plan) {
+    const Eigen::Vector3d pull(plan.acceleration.x(), plan.acceleration.y(), kGravity);
+    std::array<MassModel::Contact, 2> contacts;
+    for (int side = 0; side < 2; ++side) {
+      const LegKinematics& leg = plan_.posture.leg(side);
+      const Pose X_BA = leg.Forward(solution_->legs[size_t(side)].angles);
+      contacts[side].point = X_BA * Eigen::Vector3d(leg.sole().x() + options_.zmp_forward_m,
+                                                    -SideSign(side) * options_.zmp_inward_m, leg.sole().z());
+      contacts[side].force =
+          solution_->X_PB.rotation.conjugate() * (plan_.posture.mass_model().mass() * plan.load[size_t(side)] * pull);
+    }
+    const std::vector<double> torques = plan_.posture.mass_model().HoldingTorques(
+        contacts, {plan_.posture.leg(0).joints(), plan_.posture.leg(1).joints()});
+    const std::vector<double>& offsets = feedforward_.Update(plan_.posture.joints(), torques);
+    for (size_t j = 0; j < offsets.size(); ++j) targets_[j] += offsets[j];
+  }
+
   /// Each arm goes with the other side's leg.
   void SwingArms(const WalkTargets& plan) {
     if (gait_.arm_swing_rad == 0) return;
@@ -152,6 +173,7 @@ class Walker : public Controller {
   double period_s_;
   GaitPlan plan_;
   StateEstimator estimator_;
+  ServoFeedforward feedforward_;
   std::vector<double> targets_, initial_joints_;
   std::optional<Posture::Solution> solution_;
   Course course_;

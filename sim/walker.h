@@ -29,7 +29,8 @@ struct WalkerOptions {
   double dcm_gain = 0.5;            ///< Shift of the centre of mass per error of the divergent component.
   double dcm_filter_s = 0.05;       ///< Low-pass of that shift.
   double dcm_limit_m = 0.02;        ///< Most of that shift.
-  double attitude_gain = 0.5;       ///< How fast the accelerometer corrects the gyroscope, 1/s.
+  double feedforward = 1.0;        ///< Share of the known loads and speeds that is added to the servos' targets.
+  double attitude_gain = 0.2;       ///< How fast the accelerometer corrects the gyroscope, 1/s.
   double velocity_filter_s = 0.02;  ///< Low-pass of the measured velocity of the centre of mass.
   double zmp_forward_m = 0;         ///< Planned ZMP, forward of the middle of the sole.
   double zmp_inward_m = 0;          ///< Planned ZMP, from the ankle towards the other foot.
@@ -51,6 +52,7 @@ void VisitFields(Visitor& visit, WalkerOptions& o) {
   visit("dcm_gain", o.dcm_gain, Between(0, 5), "shift of the centre of mass per DCM error");
   visit("dcm_filter_s", o.dcm_filter_s, Between(0.001, 1), "low-pass of that shift");
   visit("dcm_limit_m", o.dcm_limit_m, Between(0, 0.2), "most of that shift");
+  visit("feedforward", o.feedforward, Between(0, 1), "share of known loads and speeds in the servos' targets");
   visit("attitude_gain", o.attitude_gain, Between(0, 20), "accelerometer's pull on the attitude, 1/s");
   visit("velocity_filter_s", o.velocity_filter_s, Between(0, 0.5), "low-pass of the measured velocity");
   visit("zmp_forward_m", o.zmp_forward_m, Between(-0.2, 0.2), "planned ZMP forward of the sole's middle");
