@@ -69,13 +69,14 @@ void AddScore(CLI::App& app, Arguments& a) {
   CLI::App* verb = app.add_subcommand("score", "score one trajectory file against another (TUM, KITTI or EuRoC)");
   verb->add_option("estimate", a.score.estimate, "trajectory file")->required();
   verb->add_option("truth", a.score.truth, "trajectory file")->required();
-  verb->add_option("--tolerance", a.score.tolerance_s, "largest time between associated stamps, s")
-      ->capture_default_str();
-  verb->add_option("--association", a.score.association, "one_to_one, or nearest as evo does it")
-      ->check(CLI::IsMember({"one_to_one", "nearest"}))
-      ->capture_default_str();
+  verb->add_option("--set", a.score.sets, "any key of a scenario's `score` section (repeatable)")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
   verb->add_option("--out", a.score.out, "write the scores to this JSON file");
-  verb->footer("Example:\n  gaitcam score estimate.txt groundtruth.txt");
+  verb->footer(
+      "Examples:\n"
+      "  gaitcam score estimate.txt groundtruth.txt\n"
+      "  gaitcam score estimate.txt groundtruth.txt --set association.rule=nearest --set rpe_frames=10 --json");
 }
 
 /// The verb that was chosen, carried out.

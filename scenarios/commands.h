@@ -51,9 +51,8 @@ int TrackCommand(const TrackArguments& arguments, const CommonOptions& common);
 
 struct ScoreArguments {
   std::filesystem::path estimate, truth;
-  double tolerance_s = 0.01;
-  std::string association = "one_to_one";
-  std::filesystem::path out;  ///< scores.json; empty: none.
+  std::vector<std::string> sets;  ///< key=value of ScoreOptions, as under `score:` of a scenario.
+  std::filesystem::path out;      ///< scores.json; empty: none.
 };
 int ScoreCommand(const ScoreArguments& arguments, const CommonOptions& common);
 

@@ -117,7 +117,6 @@ void CheckPlan(const ResolvedScenario& resolved) {
 /// The whole data flow: models ▸ simulation ▸ observations ▸ system ▸ estimate ▸ scores ▸ report.
 RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& options) {
   const Scenario& scenario = resolved.scenario;
-  CheckPlan(resolved);
   OutputFolder folder(options.out, "scores.json");
   Simulation simulation(resolved.robot, resolved.place, SimulationOptionsOf(scenario), scenario.seed);
   TrackingThread tracker(
