@@ -285,11 +285,11 @@ std::string Banners(const ReportInput& input) {
   std::string html;
   if (input.end == RunEnd::kFell) {
     html += Banner("bad", fmt::format("The robot fell after {:.1f} s.", input.end_time_s),
-                   "What was filmed until then is scored; the rest of the path was never walked.");
+                   "What was filmed until then is kept; the rest of the path was never walked.");
   }
   if (input.end == RunEnd::kInterrupted) {
     html += Banner("warn", fmt::format("The run was interrupted after {:.1f} s.", input.end_time_s),
-                   "What was finished until then is scored.");
+                   "What was finished until then is kept.");
   }
   if (!input.scores) {
     html += Banner("bad", "There are no scores.", input.no_scores_reason);
@@ -298,9 +298,11 @@ std::string Banners(const ReportInput& input) {
                    "The errors below say nothing of the rest.");
   }
   if (input.software_renderer) {
-    html += Banner("warn", "Rendered in software.",
-                   "Pictures are the same, times are not those of a machine with a graphics processor. Renderer: " +
-                       input.renderer);
+    html +=
+        Banner("warn", "Rendered in software.",
+               "Times are not those of a machine with a graphics processor, and its pictures may differ in single grey "
+               "levels. Renderer: " +
+                   input.renderer);
   }
   return html;
 }
@@ -336,7 +338,9 @@ std::string Cards(const ReportInput& input) {
     html += Card(
         "Coverage", 100 * s.Value("coverage_ratio"), "%",
         fmt::format("{} of {} frames have a pose", ScoreText(s.Value("tracked_frames")), ScoreText(s.Value("frames"))));
-    html += Card("Rotation gain", s.Value("rotation_gain"), "", "estimated over true total turn; 1 is right");
+    const double gain = s.Value("rotation_gain");
+    html += Card("Rotation gain", gain, "",
+                 std::isfinite(gain) ? "estimated over true total turn; 1 is right" : "the robot hardly turned");
   }
   if (!input.frames.empty()) {
     html += Card("Motion blur", MedianBlur(input.frames), "px", "median over frames of the median blur extent");
@@ -353,7 +357,8 @@ std::string Film(const ReportInput& input) {
   const std::string poster =
       input.video_poster.empty() ? "" : fmt::format(" poster=\"{}\"", JpegUri(input.video_poster, 1280));
   return fmt::format(
-      "<h2>The walk</h2>\n<video controls muted loop playsinline preload=\"none\" src=\"{}\"{}></video>\n",
+      "<section class=\"film\"><h2>The walk</h2>\n<video controls muted loop playsinline preload=\"none\" "
+      "src=\"{}\"{}></video></section>\n",
       Escape(input.video_file), poster);
 }
 
@@ -419,6 +424,9 @@ std::string OverTime(const ReportInput& input) {
   };
   if (has(TrackingStatus::kInitializing)) shades.push_back({"wait", "no pose yet", "area"});
   if (has(TrackingStatus::kLost)) shades.push_back({"lost", "lost", "area"});
+  if (std::any_of(input.frames.begin(), input.frames.end(), [](const ReportFrame& f) { return f.restarted; })) {
+    shades.push_back({"bad", "world chosen anew", "dashed"});
+  }
   const auto with_shades = [&](std::vector<KeyEntry> key) {
     key.insert(key.end(), shades.begin(), shades.end());
     return key;

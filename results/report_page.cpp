@@ -107,9 +107,13 @@ a { color: var(--sim3); }
   @page { margin: 14mm; }
   body { background: #fff; font-size: 12px; }
   main { max-width: none; padding: 0; }
-  video { display: none; }
-  .panel, .cards div, .strip figure, .banner, tr { break-inside: avoid; }
-  h2 { break-after: avoid; }
+  .film { display: none; }
+  .chart { height: auto !important; }
+  .chart canvas { max-width: 100% !important; height: auto !important; }
+  .grid.two { grid-template-columns: minmax(0, 3fr) minmax(0, 2fr); }
+  .key li:has(button[aria-pressed="false"]) { display: none; }
+  .panel:not(.scroll), .cards div, .strip figure, .banner, tr { break-inside: avoid; }
+  h2, .note, .key { break-after: avoid; }
   .cards { grid-template-columns: repeat(4, 1fr); }
   .strip { grid-template-columns: repeat(4, 1fr); }
   * { -webkit-print-color-adjust: exact; print-color-adjust: exact; }

@@ -64,6 +64,7 @@ struct VideoWriter::Implementation {
   cv::VideoWriter writer;
   cv::Size size;
   int frames = 0;
+  bool finished = false;
 
   void Open(const cv::Size& new_size) {
     size = new_size;
@@ -114,6 +115,7 @@ VideoWriter& VideoWriter::operator=(VideoWriter&& other) noexcept {
 }
 
 void VideoWriter::Add(const VideoFrame& frame) {
+  GAITCAM_ASSERT(!implementation_->finished);
   const cv::Mat composed = ComposeVideoFrame(frame, implementation_->options.height_px);
   if (!implementation_->writer.isOpened()) implementation_->Open(composed.size());
   GAITCAM_ASSERT(composed.size() == implementation_->size);
@@ -122,6 +124,7 @@ void VideoWriter::Add(const VideoFrame& frame) {
 }
 
 void VideoWriter::Finish() {
+  implementation_->finished = true;
   if (!implementation_->writer.isOpened()) return;
   implementation_->writer.release();
   std::error_code error;

@@ -182,6 +182,21 @@ void ExpectAllDrawn(const Browsed& browsed, const std::string& charts) {
   EXPECT_EQ(Attribute(browsed.dom, "data-charts-drawn"), charts);
 }
 
+/// The same run, straight ahead instead of on a circle, by a system that chose its world anew.
+struct StraightRun : MadeUpRun {
+  StraightRun() {
+    for (size_t i = 0; i < truth.size(); ++i)
+      truth[i].pose = Pose(LookAlong(0), {0.01 * double(i), 0.01 * std::sin(0.6 * double(i)), 0.3});
+    RandomStream random(8, "report");
+    Estimate estimate = EstimateFromTrajectory(Noisy(truth, random, 0.005, 0.002));
+    for (size_t i = 250; i < truth.size(); ++i) estimate.frames[i].pose->translation.y() += 0.05;
+    estimate.frames[250].restarted = input.frames[250].restarted = true;
+    scores = ScoreEstimate(estimate, truth, Stamps(truth), {});
+    input.scores = &scores;
+    input.truth = truth;
+  }
+};
+
 /// Two seconds of film beside the page; its first picture is the poster.
 void MakeFilm(const fs::path& path, ReportInput& input) {
   VideoWriter writer(path);
@@ -214,6 +229,17 @@ TEST(Report, ABrowserDrawsEveryChartLoadsTheFilmAndDoesNotComplain) {
   const Browsed browsed = Browse(page, "--window-size=1280,1000");
   ExpectAllDrawn(browsed, "8");  // two paths, heading, two errors, blur, inliers, feet
   EXPECT_EQ(Attribute(browsed.dom, "data-film"), "962x390 2.0");
+}
+
+TEST(Report, ALongStraightPathIsDrawnWide) {
+  if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
+  const TemporaryFolder folder;
+  const fs::path page = PageFolder(folder) / "straight.html";
+  const StraightRun run;
+  WriteReport(page, run.input);
+  const Browsed browsed = Browse(page);
+  ExpectAllDrawn(browsed, "8");
+  EXPECT_THAT(browsed.dom, HasSubstr("world chosen anew"));
 }
 
 TEST(Report, ARunThatFellWithoutScoresIsToldLoudlyAndStillDrawn) {
