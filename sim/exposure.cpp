@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "algorithms/core/errors.h"
 
@@ -40,6 +41,30 @@ SceneInstant ExposingCamera::At(const MotionRecord& record, int64_t stamp_ns) {
   return CaptureInstant(model_, *data_, camera_id_, stamp_ns);
 }
 
+void ExposingCamera::Collect(Renderer& renderer, const Eigen::Vector2d& shift_px, std::span<const float> row_weights,
+                             LightAccumulator& light) {
+  renderer.ReadColor(buffer_);
+  if (lens_.warps()) {
+    light.AddBent(buffer_, lens_.map(), shift_px, row_weights);
+  } else {
+    light.Add(buffer_, row_weights);
+  }
+}
+
+/// The picture that has just been drawn looks at the pixels' centres; `antialias_` more spread evenly around it.
+cv::Mat ExposingCamera::Sharp(Renderer& renderer, const Pose& X_WC) {
+  const CameraModel& camera = lens_.camera();
+  LightAccumulator light(camera.width_px, camera.height_px);
+  const std::vector<Eigen::Vector2d> shifts = antialias_ > 1 ? PixelShifts(antialias_) : std::vector<Eigen::Vector2d>();
+  const std::vector<float> weights(size_t(camera.height_px), 1.f / float(shifts.size() + 1));
+  Collect(renderer, Eigen::Vector2d::Zero(), weights, light);
+  for (const Eigen::Vector2d& shift : shifts) {
+    renderer.Draw(*data_, X_WC, lens_.pinhole(), shift);
+    Collect(renderer, shift, weights, light);
+  }
+  return light.light();
+}
+
 ExposingCamera::Middle ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
                                                  bool sharp) {
   Middle middle;
@@ -49,21 +74,7 @@ ExposingCamera::Middle ExposingCamera::SeeMiddle(Renderer& renderer, const Motio
   const Pose& X_WC = middle.instant.X_WC;
   renderer.Draw(*data_, X_WC, pinhole);
   middle.depth = lens_.WarpDepth(renderer.ReadDepth());
-  if (sharp) {
-    // The picture that gave the depth looks at the pixels' centres; the others spread evenly around it.
-    LightAccumulator light(pinhole.width_px, pinhole.height_px);
-    const std::vector<Eigen::Vector2d> shifts =
-        antialias_ > 1 ? PixelShifts(antialias_) : std::vector<Eigen::Vector2d>();
-    const float weight = 1.f / float(shifts.size() + 1);
-    renderer.ReadColor(buffer_);
-    light.Add(buffer_, weight);
-    for (const Eigen::Vector2d& shift : shifts) {
-      renderer.Draw(*data_, X_WC, pinhole, shift);
-      renderer.ReadColor(buffer_);
-      light.Add(buffer_, weight);
-    }
-    middle.sharp = lens_.WarpLight(light.light());
-  }
+  if (sharp) middle.sharp = Sharp(renderer, X_WC);
   if (renderer.SeesMovingBodies(X_WC, pinhole)) {
     middle.bodies = lens_.WarpLabels(renderer.Bodies(*data_, X_WC, pinhole));
   }
@@ -92,40 +103,23 @@ MotionProfile ExposingCamera::MeasureMotion(const MotionRecord& record, const Sh
 
 cv::Mat ExposingCamera::Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan,
                                   ExposureTruth& truth, std::vector<SceneInstant>& instants, int64_t stamp_ns) {
-  const CameraModel &pinhole = lens_.pinhole(), &camera = lens_.camera();
-  const bool rolling = options_.readout_ms > 0;
-  std::vector<std::vector<float>> row_weights;
-  for (int row = 0; rolling && row < camera.height_px; ++row) {
-    row_weights.push_back(RowWeights(options_, stamp_ns, plan, row, camera.height_px));
+  const CameraModel& camera = lens_.camera();
+  std::vector<std::vector<float>> weights;  // by row, then slot
+  for (int row = 0; row < camera.height_px; ++row) {
+    weights.push_back(RowWeights(options_, stamp_ns, plan, row, camera.height_px));
   }
-  LightAccumulator light(pinhole.width_px, pinhole.height_px);
-  cv::Mat warped_light = cv::Mat::zeros(camera.height_px, camera.width_px, CV_32FC3);
+  LightAccumulator light(camera.width_px, camera.height_px);
+  std::vector<float> row_weights(size_t(camera.height_px));
   for (size_t i = 0; i < plan.size(); ++i) {
     instants.push_back(At(record, plan[i].stamp_ns));
     const Pose& X_WC = instants.back().X_WC;
     truth.subframes.push_back({plan[i].stamp_ns, plan[i].weight, X_WC});
+    for (int row = 0; row < camera.height_px; ++row) row_weights[row] = weights[row][i];
     renderer.Move(*data_);
-    renderer.Draw(*data_, X_WC, pinhole, plan[i].shift_px);
-    renderer.ReadColor(buffer_);
-    if (!rolling) {
-      light.Add(buffer_, float(plan[i].weight));
-      continue;
-    }
-    std::vector<float> weights;
-    for (const std::vector<float>& of_row : row_weights) weights.push_back(of_row[i]);
-    if (!lens_.warps()) {
-      light.Add(buffer_, weights);
-      continue;
-    }
-    // A row of the warped picture comes from several of the ideal one: warp first, then weigh.
-    LightAccumulator single(pinhole.width_px, pinhole.height_px);
-    single.Add(buffer_, 1.f);
-    const cv::Mat warped = lens_.WarpLight(single.light());
-    for (int row = 0; row < warped.rows; ++row) {
-      if (weights[row] > 0) warped_light.row(row) += weights[row] * warped.row(row);
-    }
+    renderer.Draw(*data_, X_WC, lens_.pinhole(), plan[i].shift_px);
+    Collect(renderer, plan[i].shift_px, row_weights, light);
   }
-  return rolling && lens_.warps() ? warped_light : lens_.WarpLight(light.light());
+  return light.light();
 }
 
 void ExposingCamera::DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,9 @@ class ExposingCamera {
   struct Middle;
 
   SceneInstant At(const MotionRecord& record, int64_t stamp_ns);
+  void Collect(Renderer& renderer, const Eigen::Vector2d& shift_px, std::span<const float> row_weights,
+               LightAccumulator& light);
+  cv::Mat Sharp(Renderer& renderer, const Pose& X_WC);
   Middle SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, bool sharp);
   MotionProfile MeasureMotion(const MotionRecord& record, const ShutterInterval& shutter, const SeenPoints& points);
   cv::Mat Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, ExposureTruth& truth,

@@ -88,28 +88,6 @@ Lens::Lens(const CameraModel& camera) : camera_(camera), pinhole_(camera) {
   }
 }
 
-cv::Mat Lens::WarpLight(const cv::Mat& light) const {
-  GAITCAM_ASSERT(light.depth() == CV_32F && light.cols == pinhole_.width_px && light.rows == pinhole_.height_px);
-  if (!warps_) return light;
-  // Not cv::remap: it rounds positions to 1/32 px.
-  const int channels = light.channels();
-  cv::Mat warped(rays_.size(), light.type());
-  for (int v = 0; v < warped.rows; ++v) {
-    float* to = warped.ptr<float>(v);
-    for (int u = 0; u < warped.cols; ++u, to += channels) {
-      const cv::Vec2f at = map_.at<cv::Vec2f>(v, u);
-      const int x = int(at[0]), y = int(at[1]);
-      const float s = at[0] - float(x), t = at[1] - float(y);
-      const float *upper = light.ptr<float>(y) + x * channels, *lower = light.ptr<float>(y + 1) + x * channels;
-      for (int c = 0; c < channels; ++c) {
-        to[c] = (1 - t) * ((1 - s) * upper[c] + s * upper[channels + c]) +
-                t * ((1 - s) * lower[c] + s * lower[channels + c]);
-      }
-    }
-  }
-  return warped;
-}
-
 cv::Mat Lens::WarpDepth(const cv::Mat& depth) const {
   GAITCAM_ASSERT(depth.type() == CV_32FC1 && depth.cols == pinhole_.width_px && depth.rows == pinhole_.height_px);
   if (!warps_) return depth;

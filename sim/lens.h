@@ -22,9 +22,11 @@ class Lens {
   /// CV_32FC2: (X/Z, Y/Z) of the ray through each pixel centre of the camera.
   const cv::Mat& rays() const { return rays_; }
 
-  /// Light (any number of float channels) as the camera sees it: bilinear.
-  cv::Mat WarpLight(const cv::Mat& light) const;
-  /// Depth likewise. 1/z is interpolated, which is exact on planes; across an edge the nearest sample is taken.
+  /// CV_32FC2: where each pixel lies in the ideal camera's picture, px. Empty unless the lens warps.
+  const cv::Mat& map() const { return map_; }
+
+  /// The ideal camera's depth as this camera sees it. 1/z is interpolated, which is exact on planes; across an edge the
+  /// nearest sample is taken.
   cv::Mat WarpDepth(const cv::Mat& depth) const;
   /// Labels: the nearest sample.
   cv::Mat WarpLabels(const cv::Mat& labels) const;
@@ -33,7 +35,7 @@ class Lens {
   CameraModel camera_, pinhole_;
   bool warps_ = false;
   cv::Mat rays_;
-  cv::Mat map_;  ///< CV_32FC2: where each pixel lies in the picture of the ideal camera.
+  cv::Mat map_;
 };
 
 }  // namespace gaitcam

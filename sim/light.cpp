@@ -78,6 +78,32 @@ void LightAccumulator::Add(const cv::Mat& bgrx_bottom_up, std::span<const float>
   }
 }
 
+void LightAccumulator::AddBent(const cv::Mat& bgrx_bottom_up, const cv::Mat& map, const Eigen::Vector2d& shift_px,
+                               std::span<const float> row_weights) {
+  GAITCAM_ASSERT(bgrx_bottom_up.type() == CV_8UC4 && map.type() == CV_32FC2 && map.size() == light_.size());
+  GAITCAM_ASSERT(int(row_weights.size()) == light_.rows);
+  const DecodeTable& table = UnitTable();
+  const float shift_x = float(shift_px.x()), shift_y = float(shift_px.y());
+  for (int row = 0; row < light_.rows; ++row) {
+    const float weight = row_weights[row];
+    if (weight == 0) continue;
+    const float* at = map.ptr<float>(row);
+    float* to = light_.ptr<float>(row);
+    for (int col = 0; col < light_.cols; ++col, at += 2, to += 3) {
+      const float x = at[0] - shift_x, y = at[1] - shift_y;
+      const int left = int(x), top = int(y);
+      const float s = x - float(left), t = (y - float(top)) * weight;
+      const uint8_t* upper = bgrx_bottom_up.ptr<uint8_t>(bgrx_bottom_up.rows - 1 - top) + 4 * left;
+      const uint8_t* lower = upper - bgrx_bottom_up.step;
+      const float w[4] = {(1 - s) * (weight - t), s * (weight - t), (1 - s) * t, s * t};
+      for (int c = 0; c < 3; ++c) {
+        to[c] +=
+            w[0] * table[upper[c]] + w[1] * table[upper[4 + c]] + w[2] * table[lower[c]] + w[3] * table[lower[4 + c]];
+      }
+    }
+  }
+}
+
 cv::Mat EncodeSrgb(const cv::Mat& light) {
   constexpr int kSteps = 1 << 16;  // finer than 1/20 of a grey level even where the curve is steepest
   static const std::vector<uint8_t> table = [] {

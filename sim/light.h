@@ -18,10 +18,16 @@ class LightAccumulator {
  public:
   LightAccumulator(int width_px, int height_px) : light_(height_px, width_px, CV_32FC3, cv::Scalar::all(0)) {}
 
-  /// @param bgrx_bottom_up CV_8UC4, display values, bottom row first, as Renderer::ReadColor gives them.
+  /// Pictures are CV_8UC4, display values, bottom row first, as Renderer::ReadColor gives them.
   void Add(const cv::Mat& bgrx_bottom_up, float weight);
   /// Each row with its own weight; row 0 is the top row. Rows of weight 0 cost nothing.
   void Add(const cv::Mat& bgrx_bottom_up, std::span<const float> row_weights);
+  /// As a lens bends it: pixel (u, v) takes what the picture shows at `map`(v, u) (CV_32FC2), between four pixels that
+  /// each look `shift_px` beside their centres. Interpolating every picture for itself, and not their sum, keeps the
+  /// sum free of the beat between two rasters: it is as if seen through one tent-shaped pixel, two pixels wide,
+  /// everywhere.
+  void AddBent(const cv::Mat& bgrx_bottom_up, const cv::Mat& map, const Eigen::Vector2d& shift_px,
+               std::span<const float> row_weights);
 
   /// CV_32FC3 (BGR), linear light, 1 is display white; row 0 on top.
   const cv::Mat& light() const { return light_; }

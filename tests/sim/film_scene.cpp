@@ -15,7 +15,10 @@ cv::Mat SpeckleTexture(int size_px, uint64_t seed) {
   }
   cv::resize(coarse, coarse, fine.size(), 0, 0, cv::INTER_CUBIC);
   cv::GaussianBlur(fine, fine, cv::Size(0, 0), 1.5);
-  cv::Mat sum = 0.5 + 3.0 * (fine - cv::Scalar::all(0.5)) + 0.7 * (coarse - cv::Scalar::all(0.5)), texture;
+  const cv::Scalar half = cv::Scalar::all(0.5);
+  cv::Mat sum, texture;
+  cv::addWeighted(fine - half, 3.0, coarse - half, 0.7, 0, sum);
+  sum += half;
   sum.convertTo(texture, CV_8UC3, 255);
   return texture;
 }
