@@ -1,12 +1,16 @@
-/// Trajectory files, in and out: TUM, KITTI, EuRoC.
+/// Trajectory files, in and out, in the three formats that everybody's tools read.
 ///
-/// TUM:   `stamp tx ty tz qx qy qz qw`, stamp in seconds, `#` starts a comment.
-/// EuRoC: `stamp, tx, ty, tz, qw, qx, qy, qz[, more]`, stamp in nanoseconds, comma-separated, `#` starts a comment.
-/// KITTI: the twelve numbers of the 3 x 4 matrix [R t], row by row; no stamps: line k is at k seconds.
+///   TUM    "t x y z qx qy qz qw" per line, t in seconds (nine decimals are written: stamps come back exactly)
+///   KITTI  the upper 3 x 4 of the pose matrix, row by row, 12 numbers per line; it has no stamps
+///   EuRoC  CSV "t,x,y,z,qw,qx,qy,qz[,...]", t in nanoseconds; further columns are skipped when read
+///
+/// Poses are read as they stand. Which frame's poses a file holds, it cannot say: TUM and KITTI files usually hold the
+/// camera's, EuRoC's ground truth the body's (the IMU's).
 
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "algorithms/core/trajectory.h"
@@ -17,29 +21,30 @@ enum class TrajectoryFormat { kTum, kKitti, kEuroc };
 
 /// "tum", "kitti", "euroc".
 std::string ToString(TrajectoryFormat format);
+/// @throws BadInput naming the unknown word and the known ones.
+TrajectoryFormat TrajectoryFormatFromText(const std::string& text);
 
-/// A file's poses X_WC and what its content says it is: commas mean EuRoC, 8 columns TUM, 12 columns KITTI.
 struct TrajectoryFile {
   TrajectoryFormat format = TrajectoryFormat::kTum;
   Trajectory trajectory;
 };
 
-/// @throws BadInput `file:line: ...` for a file that cannot be read, a line with the wrong number of columns, something
-/// that is not a finite number, a quaternion further than 1e-2 from unit length, a matrix further than 1e-2 from a
-/// rotation, stamps that do not increase, or no pose at all.
-TrajectoryFile ReadTrajectory(const std::filesystem::path& file);
+/// Reads a trajectory; unless said, its format is told by the first row: commas mean EuRoC, 12 numbers KITTI, 8 TUM.
+/// A KITTI file's stamps are taken from `kitti_times` (one time in seconds per line), or are its row numbers as
+/// seconds.
+/// @throws BadInput "file:line: what is wrong and what would be right": not a number, too few or too many fields, a
+/// quaternion or matrix that is no rotation, stamps that do not increase, no pose at all.
+TrajectoryFile ReadTrajectory(const std::filesystem::path& file, std::optional<TrajectoryFormat> format = {},
+                              const std::filesystem::path& kitti_times = {});
 
-/// Stamps round-trip exactly; so do positions, which are written with the shortest text that reads back the same.
-std::string TrajectoryToText(const Trajectory& trajectory, TrajectoryFormat format);
-
-/// Writes under a temporary name, then renames. @throws MissingResource if the file cannot be written.
+/// Writes a whole file or none. Numbers are written so that they read back to the same bits (KITTI's rotation: to
+/// 1e-15).
+/// @throws MissingResource if it cannot be written.
 void WriteTrajectory(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFormat format);
 
-/// Nanoseconds of a decimal number of seconds ("12.034", "1403636580.83"), exactly, up to 18 significant digits;
-/// rounded beyond nine decimals. @returns false if `text` is not such a number.
-bool ParseSeconds(const std::string& text, int64_t& stamp_ns);
-
-/// Seconds with nine decimals.
-std::string SecondsText(int64_t stamp_ns);
+/// One row without its line end, for those who write row by row.
+std::string TrajectoryRow(const StampedPose& pose, TrajectoryFormat format);
+/// The comment line that stands first in a file of this format, with its line end; empty for KITTI.
+std::string TrajectoryHeader(TrajectoryFormat format);
 
 }  // namespace gaitcam
