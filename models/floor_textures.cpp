@@ -22,7 +22,7 @@ struct Board {
 
 std::vector<Board> LayBoards(const TextureOptions& o, cv::Size size, RandomStream& random) {
   std::vector<Board> boards;
-  const int rows = std::max(1, int(std::lround(o.size_m.y() / o.unit_m)));
+  const int rows = std::clamp(int(std::lround(o.size_m.y() / o.unit_m)), 1, size.height / 4);
   const double longest = 14 * o.unit_m * size.width / o.size_m.x();
   for (int row = 0; row < rows; ++row) {
     const int top = row * size.height / rows, bottom = (row + 1) * size.height / rows;
@@ -58,10 +58,12 @@ Grain MakeGrain(cv::Size size, RandomStream& random) {
   return grain;
 }
 
-/// Growth rings: slowly darker, then a sharp edge to light. @returns -1..0.5.
+/// Growth rings: slowly darker, then quickly light again. @returns -1..0.5.
 inline float Ring(float phase) {
+  constexpr float kEdge = 0.82f;
   const float part = phase - std::floor(phase);
-  return 0.5f - 1.5f * part * part;
+  const float rise = part < kEdge ? part / kEdge : (1 - part) / (1 - kEdge);
+  return 0.5f - 1.5f * rise * rise;
 }
 
 void PaintBoard(const Board& board, const Grain& grain, const TextureOptions& o, cv::Mat& bgr) {
@@ -77,12 +79,36 @@ void PaintBoard(const Board& board, const Grain& grain, const TextureOptions& o,
     const bool edge_row = y == 0;
     for (int x = 0, at = board.area.x % width, from = board.grain_offset.x; x < board.area.width; ++x) {
       const float pore = streaks[from] < -1.7f ? -0.12f : 0.0f;
-      float tone = 0.11f * board.tone + 0.045f * streaks[from] + pore + 0.16f * Ring(across + 1.1f * warp[from]);
+      float tone = 0.09f * board.tone + 0.05f * streaks[from] + pore + 0.15f * Ring(across + 1.1f * warp[from]);
       if (edge_row || x == 0) tone -= 0.5f;  // the gap
       const float factor = std::max(0.05f, 1 + contrast * tone);
       for (int c = 0; c < 3; ++c) out[3 * at + c] = uint8_t(std::min(255.0f, factor * board.tint[c] * base[c] + 0.5f));
       if (++at == width) at = 0;
       if (++from == width) from = 0;
+    }
+  }
+}
+
+/// Knots in a board: dark, with rings of their own, longer along the grain.
+void PaintKnots(const Board& board, const TextureOptions& o, cv::Mat& bgr, RandomStream& random) {
+  const double px = o.px_per_m, expected = 0.9 * board.area.area() / (px * px) / 0.1;  // nine on ten boards of 0.1 m^2
+  for (double left = expected + random.Uniform(-0.9, 0.9); left > 0.5; left -= 1) {
+    const double radius = px * random.Uniform(0.004, 0.012), stretch = random.Uniform(1.2, 2.2);
+    const double x0 = random.Uniform(0, board.area.width), y0 = random.Uniform(0.15, 0.85) * board.area.height;
+    const int reach = int(3 * radius) + 1;
+    for (int dy = -reach; dy <= reach; ++dy) {
+      const int y = int(y0) + dy;
+      if (y < 1 || y >= board.area.height) continue;
+      uint8_t* row = bgr.ptr<uint8_t>(board.area.y + y);
+      for (int dx = -int(stretch * reach); dx <= int(stretch * reach); ++dx) {
+        const int x = int(x0) + dx;
+        if (x < 1 || x >= board.area.width) continue;
+        const double r = std::hypot(dx / stretch, double(dy)) / radius;
+        const double dark =
+            (r < 1 ? 0.5 : 0.32 * std::exp(-1.5 * (r - 1))) * (0.75 + 0.25 * std::cos(9 * r)) * o.contrast;
+        uint8_t* out = row + 3 * ((board.area.x + x) % bgr.cols);
+        for (int c = 0; c < 3; ++c) out[c] = uint8_t(out[c] * std::max(0.1, 1 - dark));
+      }
     }
   }
 }
@@ -93,11 +119,14 @@ cv::Mat MakePlanks(const TextureOptions& o, cv::Size size, RandomStream& random)
   cv::Mat bgr(size, CV_8UC3);
   const std::vector<Board> boards = LayBoards(o, size, random);
   const Grain grain = MakeGrain(size, random);
-  for (const Board& board : boards) PaintBoard(board, grain, o, bgr);
+  for (const Board& board : boards) {
+    PaintBoard(board, grain, o, bgr);
+    PaintKnots(board, o, bgr, random);
+  }
   Wear wear(size);
   const double area = o.size_m.prod(), px = o.px_per_m;
   wear.AddScratches(int(5 * area), 0.03 * px, 0.3 * px, 0.3 * o.contrast, random);
-  wear.AddSpots(int(25 * area), std::max(0.8, 0.001 * px), 0.008 * px, 0.35 * o.contrast, random);
+  wear.AddSpots(int(70 * area), std::max(0.8, 0.0015 * px), 0.01 * px, 0.45 * o.contrast, random);
   wear.ApplyTo(bgr);
   return bgr;
 }
@@ -128,8 +157,9 @@ struct Tile {
 };
 
 std::vector<Tile> LayTiles(const TextureOptions& o, cv::Size size, int grout_px, RandomStream& random) {
-  const int columns = std::max(1, int(std::lround(o.size_m.x() / o.unit_m)));
-  const int rows = std::max(1, int(std::lround(o.size_m.y() / o.unit_m)));
+  const int least = grout_px + 2;  // px: a tile is never only grout
+  const int columns = std::clamp(int(std::lround(o.size_m.x() / o.unit_m)), 1, std::max(1, size.width / least));
+  const int rows = std::clamp(int(std::lround(o.size_m.y() / o.unit_m)), 1, std::max(1, size.height / least));
   std::vector<Tile> tiles;
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {

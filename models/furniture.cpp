@@ -93,18 +93,72 @@ Parts MakeDesk(const Vector3d& size, RandomStream& random) {
 }
 
 Parts MakeBin(const Vector3d& size, RandomStream&) {
-  return {Plain({0, 0, size.z() / 2}, size, {0.24, 0.3, 0.36}),
+  return {{{0, 0, size.z() / 2}, size, "main", {0, 0}, {0.24, 0.3, 0.36}},
           Plain({0, 0, size.z() - 0.01}, {size.x() + 0.02, size.y() + 0.02, 0.02}, {0.12, 0.12, 0.13})};
+}
+
+Parts MakeBench(const Vector3d& size, RandomStream&) {
+  Parts parts{Main({0, 0, size.z() - 0.02}, {size.x(), size.y(), 0.04})};
+  for (const int j : {-1, 1}) {
+    parts.push_back(
+        Plain({0, 0.4 * j * size.y(), size.z() / 2 - 0.02}, {0.8 * size.x(), 0.05, size.z() - 0.04}, {0.3, 0.3, 0.32}));
+  }
+  return parts;
+}
+
+Parts MakeExtinguisher(const Vector3d& size, RandomStream&) {
+  return {Plain({0, 0, 0.4 * size.z()}, {size.x(), size.y(), 0.8 * size.z()}, {0.75, 0.1, 0.08}),
+          Plain({0, 0, 0.86 * size.z()}, {0.4 * size.x(), 0.4 * size.y(), 0.12 * size.z()}, {0.1, 0.1, 0.1}),
+          Front({0.505 * size.x(), 0, 0.45 * size.z()}, {0.01 * size.x(), 0.7 * size.y(), 0.35 * size.z()}, "poster")};
+}
+
+Parts MakeRadiator(const Vector3d& size, RandomStream&) {
+  constexpr double kFoot = 0.1;
+  const Vector3d paint(0.86, 0.86, 0.84);
+  const int ribs = std::max(2, int(size.y() / 0.2));
+  Parts parts{
+      Plain({-size.x() / 4, 0, (size.z() + kFoot) / 2}, {size.x() / 2, size.y(), size.z() - kFoot}, 0.8 * paint)};
+  for (int i = 0; i < ribs; ++i) {
+    const double y = ((i + 0.5) / ribs - 0.5) * size.y();
+    parts.push_back(
+        Plain({0, y, (size.z() + kFoot) / 2}, {size.x(), 0.55 * size.y() / ribs, size.z() - kFoot - 0.03}, paint));
+  }
+  return parts;
+}
+
+/// A soccer goal that opens to the front; the net is a plain back.
+Parts MakeGoal(const Vector3d& size, RandomStream&) {
+  constexpr double kPost = 0.06;
+  const double depth = size.x(), width = size.y(), height = size.z();
+  Parts parts{{{-depth / 2, 0, height / 2}, {0.02, width, height}, "main", {0, 0}, {0.8, 0.8, 0.8}},
+              {{depth / 2, 0, height - kPost / 2}, {kPost, width + kPost, kPost}, "main", {0, 0}, {0.9, 0.9, 0.9}}};
+  for (const int j : {-1, 1}) {
+    parts.push_back({{0, j * width / 2, 0.3 * height}, {depth, 0.02, 0.6 * height}, "main", {0, 0}, {0.8, 0.8, 0.8}});
+    parts.push_back({{depth / 2, j * width / 2, height / 2 - kPost / 2},
+                     {kPost, kPost, height - kPost},
+                     "main",
+                     {0, 0},
+                     {0.9, 0.9, 0.9}});
+  }
+  return parts;
 }
 
 }  // namespace
 
 const std::vector<FurnitureKind>& AllFurniture() {
   static const std::vector<FurnitureKind> kinds = {
-      {"bin", {0.28, 0.28, 0.35}, "", MakeBin},         {"carton", {0.4, 0.5, 0.35}, "cardboard", MakeCarton},
-      {"chair", {0.42, 0.42, 0.85}, "wood", MakeChair}, {"cupboard", {0.45, 0.9, 1.9}, "wood", MakeCupboard},
-      {"desk", {0.7, 1.4, 0.74}, "wood", MakeDesk},     {"pillar", {0.5, 0.5, 3.0}, "concrete", MakePillar},
-      {"shelf", {0.3, 0.9, 1.85}, "wood", MakeShelf},   {"table", {0.7, 1.2, 0.73}, "wood", MakeTable},
+      {"bench", {0.34, 1.4, 0.44}, "wood", false, MakeBench},
+      {"bin", {0.28, 0.28, 0.35}, "", false, MakeBin},
+      {"carton", {0.4, 0.5, 0.35}, "cardboard", true, MakeCarton},
+      {"chair", {0.42, 0.42, 0.85}, "wood", false, MakeChair},
+      {"cupboard", {0.45, 0.9, 1.9}, "wood", false, MakeCupboard},
+      {"desk", {0.7, 1.4, 0.74}, "wood", false, MakeDesk},
+      {"extinguisher", {0.16, 0.16, 0.5}, "", false, MakeExtinguisher},
+      {"goal", {0.4, 0.8, 0.8}, "", false, MakeGoal},
+      {"pillar", {0.5, 0.5, 3.0}, "concrete", false, MakePillar},
+      {"radiator", {0.1, 1.2, 0.6}, "", false, MakeRadiator},
+      {"shelf", {0.3, 0.9, 1.85}, "wood", false, MakeShelf},
+      {"table", {0.7, 1.2, 0.73}, "wood", false, MakeTable},
   };
   return kinds;
 }

@@ -23,6 +23,7 @@ struct FurnitureKind {
   std::string name;
   Eigen::Vector3d size;  ///< Depth, width, height, m.
   std::string texture;   ///< Kind of its main texture.
+  bool own_texture;      ///< Each piece looks different; otherwise all share one picture.
   std::vector<FurniturePart> (*make)(const Eigen::Vector3d& size, RandomStream& random);
 };
 

@@ -66,6 +66,13 @@ struct WallEntry {
   PosterScatter posters;
 };
 
+/// A slab over the whole floor.
+struct CeilingEntry {
+  using DescribedTag = void;
+  double height_m = 2.6;
+  TextureUse texture;
+};
+
 /// Something printed that hangs on a wall or lies on a table. `at` is the middle of its back.
 struct PosterEntry {
   using DescribedTag = void;
@@ -97,8 +104,9 @@ struct FurnitureEntry {
   Eigen::Vector2d at{0, 0};  ///< Middle of its footprint; front is +x at yaw 0.
   double base_m = 0;         ///< Height of its foot over the floor.
   double yaw_deg = 0;
-  Eigen::Vector3d size{0, 0, 0};  ///< Depth, width, height; 0: as is usual.
-  TextureUse texture;             ///< Otherwise as is usual.
+  Eigen::Vector3d size{0, 0, 0};       ///< Depth, width, height; 0: as is usual.
+  TextureUse texture;                  ///< Otherwise as is usual.
+  std::optional<Eigen::Vector3d> rgb;  ///< Colour of a kind that has no texture.
   std::optional<int> seed;
 };
 
@@ -116,6 +124,7 @@ struct PlaceFile {
   uint64_t seed = 0;
   std::map<std::string, TextureOptions> textures;
   FloorEntry floor;
+  std::optional<CeilingEntry> ceiling;
   std::vector<WallEntry> walls;
   std::vector<PosterEntry> posters;
   std::vector<FurnitureEntry> furniture;
@@ -135,6 +144,12 @@ void VisitFields(Visitor& visit, FloorEntry& o) {
   visit("extent", o.extent, Nested(), "[[min x, min y], [max x, max y]], m");
   visit("texture", o.texture, Nested(), "what it looks like");
   visit("friction", o.friction, Between(0.01, 5), "sliding friction");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, CeilingEntry& o) {
+  visit("height_m", o.height_m, Positive(), "of its underside over the floor");
+  visit("texture", o.texture, Nested(), "what it looks like");
 }
 
 template <class Visitor>
@@ -190,6 +205,7 @@ void VisitFields(Visitor& visit, FurnitureEntry& o) {
   visit("yaw_deg", o.yaw_deg, AnyNumber(), "0: its front looks to +x");
   visit("size", o.size, Nested(), "depth, width, height; 0: as is usual");
   visit("texture", o.texture, Nested(), "otherwise as is usual");
+  visit("rgb", o.rgb, Nested(), "colour of a kind that has no texture");
   visit("seed", o.seed, Nested(), "of its texture");
 }
 
@@ -207,6 +223,7 @@ void VisitFields(Visitor& visit, PlaceFile& o) {
   visit("seed", o.seed, AtLeast(0), "of all textures and random places");
   visit("textures", o.textures, Nested(), "names of textures");
   visit("floor", o.floor, Nested(), "");
+  visit("ceiling", o.ceiling, Nested(), "none unless given");
   visit("walls", o.walls, Nested(), "");
   visit("posters", o.posters, Nested(), "");
   visit("furniture", o.furniture, Nested(), "");

@@ -1,5 +1,6 @@
 #include "models/room_textures.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -8,10 +9,10 @@
 
 namespace gaitcam {
 cv::Mat MakePaint(const TextureOptions& o, cv::Size size, RandomStream& random) {
-  const cv::Mat shading = Enlarge(FractalNoise(size / 16, 4, 1, 0.6, random), 16, 16);
+  const cv::Mat shading = Enlarge(FractalNoise(size / 32, 8, 1, 0.35, random), 32, 32);
   const cv::Mat roller = FractalNoise(size, 8, 1, 0.8, random);
   cv::Mat field;
-  cv::addWeighted(shading, 0.02 * o.contrast, roller, 0.008 * o.contrast, 1.0, field);
+  cv::addWeighted(shading, 0.008 * o.contrast, roller, 0.008 * o.contrast, 1.0, field);
   cv::Mat bgr = Tint(field, o.rgb);
   Wear wear(size);
   wear.AddSpots(int(4 * o.size_m.prod()), 0.002 * o.px_per_m, 0.006 * o.px_per_m, 0.12 * o.contrast, random);
@@ -127,6 +128,28 @@ cv::Mat MakeDoor(const TextureOptions& o, cv::Size size, RandomStream& random) {
   Wear wear(size);
   wear.AddSpots(int(10 * o.size_m.prod()), 0.0015 * px, 0.006 * px, 0.25 * o.contrast, random);
   wear.ApplyTo(bgr);
+  return bgr;
+}
+
+cv::Mat MakeCeiling(const TextureOptions& o, cv::Size size, RandomStream& random) {
+  cv::Mat field = FractalNoise(size, 8, 1, 0.9, random);
+  field = 1 + 0.015 * o.contrast * field;
+  cv::Mat bgr = Tint(field, o.rgb);
+  Wear holes(size);
+  holes.AddSpots(int(150 * o.size_m.prod()), 0.0025 * o.px_per_m, 0.006 * o.px_per_m, 0.35 * o.contrast, random);
+  holes.ApplyTo(bgr);
+  const int columns = std::clamp(int(std::lround(o.size_m.x() / o.unit_m)), 1, size.width / 8);
+  const int rows = std::clamp(int(std::lround(o.size_m.y() / o.unit_m)), 1, size.height / 8);
+  const int rail = std::max(1, int(0.02 * o.px_per_m));
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      const cv::Point from(i * size.width / columns, j * size.height / rows);
+      const cv::Rect panel(from, cv::Point((i + 1) * size.width / columns, (j + 1) * size.height / rows));
+      if (i % 3 == 1 && j % 3 == 1) bgr(panel).setTo(cv::Scalar(252, 254, 254));  // a lamp
+      cv::rectangle(bgr, {from.x, from.y, panel.width, rail}, Bgr(0.72 * o.rgb), cv::FILLED);
+      cv::rectangle(bgr, {from.x, from.y, rail, panel.height}, Bgr(0.78 * o.rgb), cv::FILLED);
+    }
+  }
   return bgr;
 }
 

@@ -24,4 +24,7 @@ cv::Mat MakeBooks(const TextureOptions& options, cv::Size size, RandomStream& ra
 /// A door in its frame: panels, a handle, a sign.
 cv::Mat MakeDoor(const TextureOptions& options, cv::Size size, RandomStream& random);
 
+/// A suspended ceiling: panels of edge `unit_m` with pinholes, some of them lamps. Wraps around.
+cv::Mat MakeCeiling(const TextureOptions& options, cv::Size size, RandomStream& random);
+
 }  // namespace gaitcam

@@ -49,7 +49,12 @@ cv::Mat StreakNoise(cv::Size size, int length_px, RandomStream& random) {
   cv::Mat fine = WhiteNoise({size.width / length_px, size.height}, random);
   const cv::Mat broad = Enlarge(WhiteNoise({size.width / (2 * length_px), size.height / 4}, random), 2, 4);
   cv::add(fine, broad, fine);
-  cv::Mat field = Enlarge(fine, length_px, 1);
+  // A streak one pixel wide would show as stairs wherever a camera looks along it from close by.
+  const cv::Mat kernel = (cv::Mat_<float>(3, 1) << 0.25f, 0.5f, 0.25f);
+  cv::Mat padded, soft;
+  cv::copyMakeBorder(fine, padded, 1, 1, 0, 0, cv::BORDER_WRAP);
+  cv::filter2D(padded, soft, CV_32F, kernel);
+  cv::Mat field = Enlarge(soft.rowRange(1, size.height + 1), length_px, 1);
   Normalize(field);
   return field;
 }

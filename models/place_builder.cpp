@@ -1,0 +1,371 @@
+#include "models/place_builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "algorithms/core/random.h"
+#include "models/furniture.h"
+
+namespace gaitcam {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kMostTextures = 99;  // MuJoCo draws 100, the sky among them, and says nothing about more
+
+double Radians(double degrees) { return degrees * M_PI / 180; }
+
+/// Box frame of something flat that hangs upright: z out of the picture, y up, x to the right as one looks at it.
+Eigen::Matrix3d FacingRotation(double yaw) {
+  Eigen::Matrix3d R;
+  R << -std::sin(yaw), 0, std::cos(yaw), std::cos(yaw), 0, std::sin(yaw), 0, 1, 0;
+  return R;
+}
+
+void CheckPositive(const YamlNode& node, const std::string& key, const Eigen::Ref<const Eigen::VectorXd>& value) {
+  if (value.allFinite() && value.minCoeff() > 0) return;
+  (node.Has(key) ? node.Child(key) : node).Fail("expected lengths above 0");
+}
+
+void CheckColor(const YamlNode& node, const std::string& key, const Vector3d& rgb) {
+  if (rgb.allFinite() && rgb.minCoeff() >= 0 && rgb.maxCoeff() <= 1) return;
+  node.Child(key).Fail("expected three numbers from 0 to 1");
+}
+
+/// A rectangle on a wall that is taken: from left to right and from bottom to top, m.
+struct Taken {
+  double left, right, bottom, top;
+  bool Overlaps(const Taken& o) const { return left < o.right && o.left < right && bottom < o.top && o.bottom < top; }
+};
+
+/// One straight piece of a wall's visible surface.
+struct WallPiece {
+  Vector2d from, to;
+  bool convex_from = false, convex_to = false;  ///< The next piece bends away from the viewer.
+
+  double Length() const { return (to - from).norm(); }
+  Vector2d Along() const { return (to - from).normalized(); }
+  Vector2d Normal() const { return {-Along().y(), Along().x()}; }  ///< To the left: towards the viewer.
+};
+
+/// Builds a Place from what its file says.
+class PlaceBuilder {
+ public:
+  PlaceBuilder(const YamlNode& root, const PlaceFile& file) : root_(root), file_(file) {
+    place_.file = root.file();
+    place_.name = place_.file.stem().string();
+  }
+
+  Place Build();
+
+ private:
+  TextureOptions Resolve(const TextureUse& use) const;
+  int AddTexture(const TextureOptions& options, const YamlNode& node);
+  int AddTexture(const TextureUse& use);
+  void AddBox(const std::string& name, const Pose& X_WB, const Vector3d& size, int texture, const Vector2d& repeat,
+              const Vector3d& rgb, bool collides = true);
+
+  void AddFloor();
+  void AddCeiling(const CeilingEntry& ceiling);
+  void AddLights();
+  void AddWall(const WallEntry& wall, const YamlNode& node, int index);
+  void AddWallPiece(const WallEntry& wall, const WallPiece& piece, const std::string& name);
+  void ScatterPosters(const WallEntry& wall, const YamlNode& node, const std::vector<WallPiece>& pieces, int index);
+  std::vector<Taken> TakenOn(const WallPiece& piece) const;
+  void AddPoster(const PosterEntry& poster, const TextureOptions& options, const YamlNode& node);
+  int PartTexture(const FurnitureEntry& piece, const FurnitureKind& kind, const FurniturePart& part,
+                  const YamlNode& node, int index, int number);
+  void AddFurniture(const FurnitureEntry& piece, const YamlNode& node, int index);
+  void AddBoxEntry(const BoxEntry& box, const YamlNode& node, int index);
+
+  YamlNode root_;
+  const PlaceFile& file_;
+  Place place_;
+  std::vector<std::pair<std::string, Vector2d>> texture_keys_;  ///< Per texture: its complete options; one repeat, m.
+  int hung_posters_ = 0;
+};
+
+TextureOptions PlaceBuilder::Resolve(const TextureUse& use) const {
+  if (use.options) return *use.options;
+  const auto named = file_.textures.find(use.name);
+  if (named != file_.textures.end()) return named->second;
+  TextureOptions options;
+  options.kind = use.name;
+  const std::vector<std::string>& kinds = TextureKinds();
+  if (std::find(kinds.begin(), kinds.end(), use.name) != kinds.end()) return options;
+  std::vector<std::string> known = kinds;
+  for (const auto& [name, unused] : file_.textures) known.push_back(name);
+  std::string all;
+  for (const std::string& word : known) all += (all.empty() ? "" : ", ") + word;
+  const std::string near = NearestWord(use.name, known);
+  use.node->Fail("\"" + use.name + "\" is no texture; " +
+                 (near.empty() ? "known here: " + all : "did you mean " + near + "?"));
+}
+
+int PlaceBuilder::AddTexture(const TextureOptions& wanted, const YamlNode& node) {
+  try {
+    TextureOptions options = CompleteTexture(wanted);
+    const std::string key = fmt::format("{} {} {} {} {} {} {} {} {} {} {}", options.kind, options.size_m.x(),
+                                        options.size_m.y(), options.px_per_m, options.unit_m, options.contrast,
+                                        options.rgb.x(), options.rgb.y(), options.rgb.z(), options.seed, options.file);
+    for (size_t i = 0; i < texture_keys_.size(); ++i) {
+      if (texture_keys_[i].first == key) return int(i);
+    }
+    texture_keys_.emplace_back(key, options.size_m);
+    options.seed += 1000003 * file_.seed;  // any two places differ in all their textures
+    PlaceTexture texture;
+    texture.name = fmt::format("{}{}", options.kind, place_.textures.size());
+    texture.bgr = MakeTexture(options, root_.folder());
+    place_.textures.push_back(std::move(texture));
+  } catch (const BadInput& e) {
+    node.Fail(e.what());
+  }
+  if (int(place_.textures.size()) > kMostTextures) {
+    node.Fail(fmt::format("one texture too many; MuJoCo draws at most {} in a place", kMostTextures));
+  }
+  return int(place_.textures.size()) - 1;
+}
+
+int PlaceBuilder::AddTexture(const TextureUse& use) {
+  if (!use.options && (use.name.empty() || use.name == "none")) return -1;
+  return AddTexture(Resolve(use), *use.node);
+}
+
+void PlaceBuilder::AddBox(const std::string& name, const Pose& X_WB, const Vector3d& size, int texture,
+                          const Vector2d& repeat, const Vector3d& rgb, bool collides) {
+  PlaceBox box;
+  box.name = name;
+  box.X_WB = X_WB;
+  box.size = size;
+  box.texture = texture;
+  box.texture_size_m = repeat;
+  box.rgb = rgb;
+  box.collides = collides;
+  place_.boxes.push_back(std::move(box));
+}
+
+void PlaceBuilder::AddFloor() {
+  const FloorEntry& floor = file_.floor;
+  const YamlNode node = root_.Has("floor") ? root_.Child("floor") : root_;
+  if (floor.extent.size() != 2 || !((floor.extent[1] - floor.extent[0]).minCoeff() > 0)) {
+    node.Child("extent").Fail("expected [[min x, min y], [max x, max y]] with max above min");
+  }
+  place_.floor_min = floor.extent[0];
+  place_.floor_max = floor.extent[1];
+  place_.floor_friction = floor.friction;
+  if (floor.texture.name.empty() && !floor.texture.options) node.Fail("texture: missing; a floor needs one");
+  place_.floor_texture = AddTexture(floor.texture);
+  if (place_.floor_texture < 0) floor.texture.node->Fail("a floor needs a texture");
+  place_.floor_texture_size_m = texture_keys_[place_.floor_texture].second;
+}
+
+void PlaceBuilder::AddCeiling(const CeilingEntry& ceiling) {
+  constexpr double kThick = 0.05;
+  const int texture = AddTexture(ceiling.texture);
+  const Vector2d middle = (place_.floor_min + place_.floor_max) / 2, size = place_.floor_max - place_.floor_min;
+  AddBox("ceiling", Pose(Eigen::Quaterniond::Identity(), {middle.x(), middle.y(), ceiling.height_m + kThick / 2}),
+         {size.x(), size.y(), kThick}, texture, texture < 0 ? Vector2d(0, 0) : texture_keys_[texture].second,
+         {0.9, 0.9, 0.89}, false);
+}
+
+void PlaceBuilder::AddLights() {
+  for (size_t i = 0; i < file_.lights.size(); ++i) {
+    const LightEntry& entry = file_.lights[i];
+    if (!(entry.direction.norm() > 0))
+      root_.Child("lights").Element(i).Fail("direction: expected a vector of length above 0");
+    place_.lights.push_back(
+        {entry.position, entry.direction.normalized(), entry.directional, entry.brightness, entry.casts_shadow});
+  }
+}
+
+std::vector<WallPiece> Pieces(const WallEntry& wall) {
+  std::vector<WallPiece> pieces;
+  const size_t count = wall.points.size(), ends = wall.closed ? count : count - 1;
+  for (size_t i = 0; i < ends; ++i) pieces.push_back({wall.points[i], wall.points[(i + 1) % count]});
+  for (size_t i = 0; i < pieces.size(); ++i) {
+    if (i + 1 == pieces.size() && !wall.closed) break;
+    WallPiece& next = pieces[(i + 1) % pieces.size()];
+    const Vector2d a = pieces[i].Along(), b = next.Along();
+    pieces[i].convex_to = next.convex_from = a.x() * b.y() - a.y() * b.x() < 0;  // a turn to the right
+  }
+  return pieces;
+}
+
+void PlaceBuilder::AddWallPiece(const WallEntry& wall, const WallPiece& piece, const std::string& name) {
+  // At inner corners pieces reach into each other behind the surface; at outer ones they stop just before the next
+  // piece's surface, so that no two faces lie in one plane.
+  constexpr double kGap = 0.001;
+  const double before = piece.convex_from ? -kGap : wall.thickness_m,
+               after = piece.convex_to ? -kGap : wall.thickness_m;
+  const Vector2d middle = (piece.from + piece.to) / 2 + (after - before) / 2 * piece.Along();
+  const double length = piece.Length() + before + after;
+  const Eigen::Matrix3d R = FacingRotation(std::atan2(piece.Normal().y(), piece.Normal().x()));
+  const Vector2d back = middle - wall.thickness_m / 2 * piece.Normal();
+  const int texture = AddTexture(wall.texture);
+  AddBox(name, Pose(R, {back.x(), back.y(), wall.height_m / 2}), {length, wall.height_m, wall.thickness_m}, texture,
+         texture < 0 ? Vector2d(0, 0) : texture_keys_[texture].second, wall.rgb);
+  if (wall.skirting_m == 0) return;
+  constexpr double kThick = 0.014;
+  const double reach = piece.convex_to ? kThick : 0, reach_from = piece.convex_from ? kThick : 0;
+  const Vector2d at =
+      (piece.from + piece.to) / 2 + (reach - reach_from) / 2 * piece.Along() + kThick / 2 * piece.Normal();
+  AddBox(name + ".skirting", Pose(R, {at.x(), at.y(), wall.skirting_m / 2}),
+         {piece.Length() + reach + reach_from, wall.skirting_m, kThick}, -1, {0, 0}, wall.skirting_rgb);
+}
+
+void PlaceBuilder::AddWall(const WallEntry& wall, const YamlNode& node, int index) {
+  if (wall.points.size() < 2) node.Fail("points: expected at least two corners");
+  CheckColor(node, "rgb", wall.rgb);
+  CheckColor(node, "skirting_rgb", wall.skirting_rgb);
+  const std::vector<WallPiece> pieces = Pieces(wall);
+  for (size_t i = 0; i < pieces.size(); ++i) {
+    if (!(pieces[i].Length() > 0)) node.Child("points").Fail("two successive corners are the same");
+    AddWallPiece(wall, pieces[i], fmt::format("wall{}.{}", index, i));
+  }
+}
+
+/// What hangs on a piece of wall already, as rectangles along it.
+std::vector<Taken> PlaceBuilder::TakenOn(const WallPiece& piece) const {
+  std::vector<Taken> taken;
+  for (const PlaceBox& box : place_.boxes) {
+    if (box.name.rfind("poster", 0) != 0) continue;
+    const Vector2d at = box.X_WB.translation.head<2>() - piece.from;
+    if (std::abs(at.dot(piece.Normal())) > 0.1) continue;
+    const double along = at.dot(piece.Along()), z = box.X_WB.translation.z();
+    taken.push_back({along - box.size.x() / 2, along + box.size.x() / 2, z - box.size.y() / 2, z + box.size.y() / 2});
+  }
+  return taken;
+}
+
+void PlaceBuilder::ScatterPosters(const WallEntry& wall, const YamlNode& node, const std::vector<WallPiece>& pieces,
+                                  int index) {
+  const PosterScatter& scatter = wall.posters;
+  if (scatter.count == 0) return;
+  const YamlNode here = node.Child("posters");
+  CheckPositive(here, "width_m", scatter.width_m);
+  if (scatter.textures.empty()) here.Fail("textures: expected at least one kind");
+  RandomStream random(file_.seed, fmt::format("place.posters{}", index));
+  double length = 0;
+  for (const WallPiece& piece : pieces) length += piece.Length();
+  constexpr double kMargin = 0.04;  // m between neighbours
+  int hung = 0;
+  for (int attempt = 0; hung < scatter.count && attempt < 200 * scatter.count; ++attempt) {
+    double along = random.Uniform(0, length);
+    const WallPiece* piece = pieces.data();
+    while (along > piece->Length() && piece != &pieces.back()) along -= (piece++)->Length();
+    const double width = random.Uniform(scatter.width_m.x(), scatter.width_m.y());
+    const double height = width * (random.Uniform() < 0.5 ? 0.75 : 1.35);  // landscape or portrait
+    const double bottom = random.Uniform(scatter.bottom_m.x(), scatter.bottom_m.y());
+    if (along < width / 2 + kMargin || along > piece->Length() - width / 2 - kMargin) continue;
+    if (bottom + height > std::min(scatter.top_m, wall.height_m)) continue;
+    const Taken wish{along - width / 2 - kMargin, along + width / 2 + kMargin, bottom - kMargin,
+                     bottom + height + kMargin};
+    const std::vector<Taken> taken = TakenOn(*piece);
+    if (std::any_of(taken.begin(), taken.end(), [&](const Taken& t) { return t.Overlaps(wish); })) continue;
+    PosterEntry poster;
+    const Vector2d at = piece->from + along * piece->Along();
+    poster.at = {at.x(), at.y(), bottom + height / 2};
+    poster.facing_deg = std::atan2(piece->Normal().y(), piece->Normal().x()) * 180 / M_PI;
+    poster.size = {width, height};
+    poster.texture.name = scatter.textures[hung % scatter.textures.size()];
+    poster.texture.node = here;
+    AddPoster(poster, Resolve(poster.texture), here);
+    ++hung;
+  }
+  if (hung < scatter.count) {
+    here.Fail(fmt::format("there is room for {} of {} posters; expected fewer or smaller ones", hung, scatter.count));
+  }
+}
+
+void PlaceBuilder::AddPoster(const PosterEntry& poster, const TextureOptions& wanted, const YamlNode& node) {
+  CheckPositive(node, "size", poster.size);
+  TextureOptions options = wanted;
+  if (options.size_m.isZero()) options.size_m = poster.size;
+  if (poster.seed) {
+    options.seed = uint64_t(*poster.seed);
+  } else if (options.seed == 0) {
+    options.seed = 1000 + uint64_t(hung_posters_);
+  }
+  const double yaw = Radians(poster.facing_deg);
+  const Eigen::Matrix3d R = poster.lies ? RotZ(yaw - M_PI / 2) : FacingRotation(yaw);
+  const Vector3d center = poster.at + R.col(2) * poster.thickness_m / 2;
+  AddBox(fmt::format("poster{}", hung_posters_++), Pose(R, center),
+         {poster.size.x(), poster.size.y(), poster.thickness_m}, AddTexture(options, node), {0, 0}, {1, 1, 1},
+         poster.lies);
+}
+
+/// @returns the texture of a part, or -1 for plain colour.
+int PlaceBuilder::PartTexture(const FurnitureEntry& piece, const FurnitureKind& kind, const FurniturePart& part,
+                              const YamlNode& node, int index, int number) {
+  if (part.texture.empty()) return -1;
+  TextureOptions options;
+  if (part.texture == "main") {
+    if (piece.texture.options || !piece.texture.name.empty()) return AddTexture(piece.texture);
+    if (kind.texture.empty() || piece.rgb) return -1;
+    options.kind = kind.texture;
+    options.seed = piece.seed ? uint64_t(*piece.seed) : kind.own_texture ? 3000 + uint64_t(index) : 0;
+  } else {  // a picture on its front: one of its own, as large as the front
+    options.kind = part.texture;
+    options.seed = 5000 + 100 * uint64_t(index) + uint64_t(number);
+    options.size_m = {part.size.y(), part.size.z()};
+  }
+  return AddTexture(options, node);
+}
+
+void PlaceBuilder::AddFurniture(const FurnitureEntry& piece, const YamlNode& node, int index) {
+  const auto kind = std::find_if(AllFurniture().begin(), AllFurniture().end(),
+                                 [&](const FurnitureKind& k) { return k.name == piece.kind; });
+  GAITCAM_ASSERT(kind != AllFurniture().end());
+  const Vector3d size = piece.size.isZero() ? kind->size : piece.size;
+  CheckPositive(node, "size", size);
+  if (piece.rgb) CheckColor(node, "rgb", *piece.rgb);
+  RandomStream random(file_.seed, fmt::format("place.furniture{}", index));
+  const Pose X_WF(RotZ(Radians(piece.yaw_deg)), {piece.at.x(), piece.at.y(), piece.base_m});
+  int number = 0;
+  for (const FurniturePart& part : kind->make(size, random)) {
+    const int texture = PartTexture(piece, *kind, part, node, index, number);
+    const bool repeats = texture >= 0 && !part.texture_size_m.isZero();
+    AddBox(fmt::format("{}{}.{}", piece.kind, index, number++),
+           X_WF * Pose(Eigen::Quaterniond::Identity(), part.center), part.size, texture,
+           repeats ? texture_keys_[texture].second : Vector2d(0, 0),
+           part.texture == "main" && piece.rgb ? *piece.rgb : part.rgb);
+  }
+}
+
+void PlaceBuilder::AddBoxEntry(const BoxEntry& box, const YamlNode& node, int index) {
+  CheckPositive(node, "size", box.size);
+  CheckColor(node, "rgb", box.rgb);
+  AddBox(box.name.empty() ? fmt::format("box{}", index) : box.name, Pose(RotZ(Radians(box.yaw_deg)), box.at), box.size,
+         AddTexture(box.texture), box.texture_size_m, box.rgb, box.collides);
+}
+
+Place PlaceBuilder::Build() {
+  AddFloor();
+  if (file_.ceiling) AddCeiling(*file_.ceiling);
+  AddLights();
+  const auto each = [&](const char* key, const auto& entries, auto add) {
+    for (size_t i = 0; i < entries.size(); ++i) add(entries[i], root_.Child(key).Element(i), int(i));
+  };
+  each("walls", file_.walls, [&](const auto& e, const YamlNode& n, int i) { AddWall(e, n, i); });
+  each("posters", file_.posters, [&](const PosterEntry& e, const YamlNode& n, int) {
+    if (!e.texture.options && e.texture.name.empty()) n.Fail("texture: missing; a poster needs one");
+    AddPoster(e, Resolve(e.texture), n);
+  });
+  each("walls", file_.walls, [&](const auto& e, const YamlNode& n, int i) { ScatterPosters(e, n, Pieces(e), i); });
+  each("furniture", file_.furniture, [&](const auto& e, const YamlNode& n, int i) { AddFurniture(e, n, i); });
+  each("boxes", file_.boxes, [&](const auto& e, const YamlNode& n, int i) { AddBoxEntry(e, n, i); });
+  CheckColor(root_, "background_rgb", file_.background_rgb);
+  place_.background_rgb = file_.background_rgb;
+  place_.ambient = file_.ambient;
+  place_.start = {file_.start.x(), file_.start.y(), Radians(file_.start.z())};
+  return std::move(place_);
+}
+
+}  // namespace
+
+Place BuildPlace(const PlaceFile& file, const YamlNode& root) { return PlaceBuilder(root, file).Build(); }
+
+}  // namespace gaitcam
