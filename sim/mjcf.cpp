@@ -110,7 +110,7 @@ class MjcfWriter {
     WriteBody(0);
     WriteActuators();
     bundle_.xml = fmt::format(
-        "<mujoco model='{}'>\n<compiler angle='radian' autolimits='true'/>\n<size njmax='2000' nconmax='300'/>\n"
+        "<mujoco model='{}'>\n<compiler angle='radian' autolimits='true'/>\n<size njmax='800' nconmax='150'/>\n"
         "<option timestep='{}' integrator='Euler' solver='Newton' iterations='50' tolerance='1e-10' cone='elliptic' "
         "impratio='3'/>\n{}{}<asset>\n{}</asset>\n<worldbody>\n{}</worldbody>\n<actuator>\n{}</actuator>\n"
         "<sensor><gyro name='gyro' site='imu'/><accelerometer name='accelerometer' site='imu'/></sensor>\n</mujoco>\n",

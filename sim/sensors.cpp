@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "algorithms/core/errors.h"
 
@@ -49,7 +50,10 @@ ImuCalibration CalibrateImu(const Robot& robot, const SensorOptions& options, co
   return calibration;
 }
 
-WindowMean::WindowMean(double rate_hz) : period_ns_(1e9 / rate_hz) { filled_until_ = Boundary(0); }
+WindowMean::WindowMean(double rate_hz, int64_t now_ns) : period_ns_(1e9 / rate_hz) {
+  window_ = int64_t(std::floor(double(now_ns) / period_ns_ + 0.5));
+  filled_until_ = Boundary(window_);
+}
 
 int64_t WindowMean::Boundary(int64_t n) const { return std::llround((double(n) - 0.5) * period_ns_); }
 
@@ -79,8 +83,8 @@ SensorSuite::SensorSuite(const World& world, const SensorOptions& options, uint6
       timestep_ns_(world.timestep_ns()),
       gyro_address_(SensorAddress(world.model(), "gyro")),
       accelerometer_address_(SensorAddress(world.model(), "accelerometer")),
-      gyro_(options.imu_rate_hz),
-      accelerometer_(options.imu_rate_hz),
+      gyro_(options.imu_rate_hz, world.stamp_ns()),
+      accelerometer_(options.imu_rate_hz, world.stamp_ns()),
       imu_random_(seed, "imu"),
       encoder_random_(seed, "encoders") {
   CheckFields(options, "sensors.");
@@ -93,11 +97,13 @@ SensorSuite::SensorSuite(const World& world, const SensorOptions& options, uint6
     gyro_bias_ = options.gyro_bias * NormalVector(imu_random_);
     accelerometer_bias_ = options.accel_bias * NormalVector(imu_random_);
   }
-  // Before time 0 the robot stood still.
+  sample_ = gyro_.window();
+  // Until now the robot stood still.
   latest_.stamp_ns = world.stamp_ns();
   latest_.specific_force = RestForce(world);
-  gyro_.Extend(std::max<int64_t>(0, gyro_.begin_ns()), Eigen::Vector3d::Zero());
-  accelerometer_.Extend(std::max(-timestep_ns_ / 2, accelerometer_.begin_ns()), latest_.specific_force);
+  gyro_.Extend(std::max(world.stamp_ns(), gyro_.until_ns()), Eigen::Vector3d::Zero());
+  accelerometer_.Extend(std::max(world.stamp_ns() - timestep_ns_ / 2, accelerometer_.until_ns()),
+                        latest_.specific_force);
 }
 
 void SensorSuite::Step(const World& world) {

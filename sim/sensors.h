@@ -62,16 +62,18 @@ ImuCalibration CalibrateImu(const Robot& robot, const SensorOptions& options, co
 /// Splits a piecewise constant signal into windows of one sample period and averages it over each.
 class WindowMean {
  public:
-  /// Window n spans [(n - 1/2) T, (n + 1/2) T).
-  explicit WindowMean(double rate_hz);
-  int64_t Boundary(int64_t n) const;
-  int64_t begin_ns() const { return filled_until_; }
+  /// Window n spans [(n - 1/2) T, (n + 1/2) T); the first one is that around `now_ns`.
+  explicit WindowMean(double rate_hz, int64_t now_ns = 0);
+  int64_t window() const { return window_; }  ///< The one that is being filled.
+  int64_t until_ns() const { return filled_until_; }
   /// The signal is `value` from the end of the last call's span until `until_ns`.
   void Extend(int64_t until_ns, const Eigen::Vector3d& value);
   /// The mean over the oldest whole window that was not taken yet.
   std::optional<Eigen::Vector3d> Take();
 
  private:
+  int64_t Boundary(int64_t n) const;
+
   double period_ns_;
   int64_t window_ = 0, filled_until_ = 0;
   Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();
