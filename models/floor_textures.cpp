@@ -58,14 +58,6 @@ Grain MakeGrain(cv::Size size, RandomStream& random) {
   return grain;
 }
 
-/// Growth rings: slowly darker, then quickly light again. @returns -1..0.5.
-inline float Ring(float phase) {
-  constexpr float kEdge = 0.82f;
-  const float part = phase - std::floor(phase);
-  const float rise = part < kEdge ? part / kEdge : (1 - part) / (1 - kEdge);
-  return 0.5f - 1.5f * rise * rise;
-}
-
 void PaintBoard(const Board& board, const Grain& grain, const TextureOptions& o, cv::Mat& bgr) {
   const int width = bgr.cols, height = bgr.rows;
   const float contrast = float(o.contrast);
@@ -79,7 +71,7 @@ void PaintBoard(const Board& board, const Grain& grain, const TextureOptions& o,
     const bool edge_row = y == 0;
     for (int x = 0, at = board.area.x % width, from = board.grain_offset.x; x < board.area.width; ++x) {
       const float pore = streaks[from] < -1.7f ? -0.12f : 0.0f;
-      float tone = 0.09f * board.tone + 0.05f * streaks[from] + pore + 0.15f * Ring(across + 1.1f * warp[from]);
+      float tone = 0.09f * board.tone + 0.05f * streaks[from] + pore + 0.15f * GrowthRing(across + 1.1f * warp[from]);
       if (edge_row || x == 0) tone -= 0.5f;  // the gap
       const float factor = std::max(0.05f, 1 + contrast * tone);
       for (int c = 0; c < 3; ++c) out[3 * at + c] = uint8_t(std::min(255.0f, factor * board.tint[c] * base[c] + 0.5f));

@@ -70,6 +70,7 @@ class PlaceBuilder {
 
   void AddFloor();
   void AddCeiling(const CeilingEntry& ceiling);
+  void ScatterPrints();
   void AddLights();
   void AddWall(const WallEntry& wall, const YamlNode& node, int index);
   void AddWallPiece(const WallEntry& wall, const WallPiece& piece, const std::string& name);
@@ -171,6 +172,41 @@ void PlaceBuilder::AddCeiling(const CeilingEntry& ceiling) {
          {0.9, 0.9, 0.89}, false);
 }
 
+void PlaceBuilder::ScatterPrints() {
+  const PrintScatter& prints = file_.floor.prints;
+  if (prints.count == 0) return;
+  const YamlNode node = root_.Child("floor").Child("prints");
+  CheckPositive(node, "width_m", prints.width_m);
+  if (prints.textures.empty()) node.Fail("textures: expected at least one kind");
+  RandomStream random(file_.seed, "place.prints");
+  std::vector<Vector3d> disks;  // x, y, and the half diagonal of what lies there
+  for (int attempt = 0; int(disks.size()) < prints.count && attempt < 200 * prints.count; ++attempt) {
+    const double width = random.Uniform(prints.width_m.x(), prints.width_m.y());
+    const double height = width * (random.Uniform() < 0.5 ? 0.707 : 1.414);  // DIN formats
+    const double reach = std::hypot(width, height) / 2, angle = random.Uniform(0, 360);
+    const double x = random.Uniform(place_.floor_min.x(), place_.floor_max.x());
+    const double y = random.Uniform(place_.floor_min.y(), place_.floor_max.y());
+    const double edge = std::min(
+        {x - place_.floor_min.x(), place_.floor_max.x() - x, y - place_.floor_min.y(), place_.floor_max.y() - y});
+    const auto touches = [&](const Vector3d& d) { return std::hypot(d.x() - x, d.y() - y) < d.z() + reach; };
+    if (edge < reach || std::any_of(disks.begin(), disks.end(), touches)) continue;
+    PosterEntry print;
+    print.at = {x, y, 0};
+    print.facing_deg = angle;
+    print.lies = true;
+    print.size = {width, height};
+    print.thickness_m = 0.001;
+    print.texture.name = prints.textures[disks.size() % prints.textures.size()];
+    print.texture.node = node;
+    AddPoster(print, Resolve(print.texture), node);
+    disks.emplace_back(x, y, reach);
+  }
+  if (int(disks.size()) < prints.count) {
+    node.Fail(
+        fmt::format("there is room for {} of {} prints; expected fewer or smaller ones", disks.size(), prints.count));
+  }
+}
+
 void PlaceBuilder::AddLights() {
   for (size_t i = 0; i < file_.lights.size(); ++i) {
     const LightEntry& entry = file_.lights[i];
@@ -205,7 +241,8 @@ void PlaceBuilder::AddWallPiece(const WallEntry& wall, const WallPiece& piece, c
   const Eigen::Matrix3d R = FacingRotation(std::atan2(piece.Normal().y(), piece.Normal().x()));
   const Vector2d back = middle - wall.thickness_m / 2 * piece.Normal();
   const int texture = AddTexture(wall.texture);
-  AddBox(name, Pose(R, {back.x(), back.y(), wall.height_m / 2}), {length, wall.height_m, wall.thickness_m}, texture,
+  AddBox(name, Pose(R, {back.x(), back.y(), (wall.base_m + wall.height_m) / 2}),
+         {length, wall.height_m - wall.base_m, wall.thickness_m}, texture,
          texture < 0 ? Vector2d(0, 0) : texture_keys_[texture].second, wall.rgb);
   if (wall.skirting_m == 0) return;
   constexpr double kThick = 0.014;
@@ -217,6 +254,7 @@ void PlaceBuilder::AddWallPiece(const WallEntry& wall, const WallPiece& piece, c
 }
 
 void PlaceBuilder::AddWall(const WallEntry& wall, const YamlNode& node, int index) {
+  if (!(wall.height_m > wall.base_m)) node.Fail("height_m: expected more than base_m");
   if (wall.points.size() < 2) node.Fail("points: expected at least two corners");
   CheckColor(node, "rgb", wall.rgb);
   CheckColor(node, "skirting_rgb", wall.skirting_rgb);
@@ -284,6 +322,9 @@ void PlaceBuilder::AddPoster(const PosterEntry& poster, const TextureOptions& wa
   CheckPositive(node, "size", poster.size);
   TextureOptions options = wanted;
   if (options.size_m.isZero()) options.size_m = poster.size;
+  if (options.px_per_m == 0) {  // small prints are looked at from near, large ones from far
+    options.px_per_m = std::clamp(360 / options.size_m.maxCoeff(), 300.0, 1200.0);
+  }
   if (poster.seed) {
     options.seed = uint64_t(*poster.seed);
   } else if (options.seed == 0) {
@@ -293,8 +334,7 @@ void PlaceBuilder::AddPoster(const PosterEntry& poster, const TextureOptions& wa
   const Eigen::Matrix3d R = poster.lies ? RotZ(yaw - M_PI / 2) : FacingRotation(yaw);
   const Vector3d center = poster.at + R.col(2) * poster.thickness_m / 2;
   AddBox(fmt::format("poster{}", hung_posters_++), Pose(R, center),
-         {poster.size.x(), poster.size.y(), poster.thickness_m}, AddTexture(options, node), {0, 0}, {1, 1, 1},
-         poster.lies);
+         {poster.size.x(), poster.size.y(), poster.thickness_m}, AddTexture(options, node), {0, 0}, {1, 1, 1}, false);
 }
 
 /// @returns the texture of a part, or -1 for plain colour.
@@ -354,6 +394,7 @@ Place PlaceBuilder::Build() {
     if (!e.texture.options && e.texture.name.empty()) n.Fail("texture: missing; a poster needs one");
     AddPoster(e, Resolve(e.texture), n);
   });
+  ScatterPrints();
   each("walls", file_.walls, [&](const auto& e, const YamlNode& n, int i) { ScatterPosters(e, n, Pieces(e), i); });
   each("furniture", file_.furniture, [&](const auto& e, const YamlNode& n, int i) { AddFurniture(e, n, i); });
   each("boxes", file_.boxes, [&](const auto& e, const YamlNode& n, int i) { AddBoxEntry(e, n, i); });

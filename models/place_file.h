@@ -34,12 +34,21 @@ struct TextureUse {
 };
 void ReadYaml(const YamlNode& node, TextureUse& use);
 
+/// Flat prints at random places on the floor, without overlap. Robots walk over them unhindered.
+struct PrintScatter {
+  using DescribedTag = void;
+  int count = 0;
+  std::vector<std::string> textures{"poster"};  ///< Kinds, in turn.
+  Eigen::Vector2d width_m{0.2, 0.4};            ///< Narrowest, widest.
+};
+
 /// Corners of the floor: [[min x, min y], [max x, max y]].
 struct FloorEntry {
   using DescribedTag = void;
   std::vector<Eigen::Vector2d> extent{{-3, -3}, {3, 3}};
   TextureUse texture;
   double friction = 0.8;
+  PrintScatter prints;
 };
 
 /// Posters at random places on a wall, without overlap.
@@ -56,8 +65,9 @@ struct PosterScatter {
 struct WallEntry {
   using DescribedTag = void;
   std::vector<Eigen::Vector2d> points;
-  bool closed = false;  ///< The last point is joined with the first.
-  double height_m = 2.5;
+  bool closed = false;    ///< The last point is joined with the first.
+  double base_m = 0;      ///< Height of the lower edge over the floor.
+  double height_m = 2.5;  ///< Height of the upper edge over the floor.
   double thickness_m = 0.1;
   TextureUse texture;
   Eigen::Vector3d rgb{0.82, 0.81, 0.77};  ///< Without a texture.
@@ -140,10 +150,18 @@ void ReadYaml(const YamlNode& node, std::map<std::string, TextureOptions>& textu
 const std::vector<std::string>& FurnitureKinds();
 
 template <class Visitor>
+void VisitFields(Visitor& visit, PrintScatter& o) {
+  visit("count", o.count, Between(0, 80), "how many");
+  visit("textures", o.textures, Nested(), "kinds of texture, in turn");
+  visit("width_m", o.width_m, Nested(), "narrowest, widest");
+}
+
+template <class Visitor>
 void VisitFields(Visitor& visit, FloorEntry& o) {
   visit("extent", o.extent, Nested(), "[[min x, min y], [max x, max y]], m");
   visit("texture", o.texture, Nested(), "what it looks like");
   visit("friction", o.friction, Between(0.01, 5), "sliding friction");
+  visit("prints", o.prints, Nested(), "flat prints at random places on it");
 }
 
 template <class Visitor>
@@ -165,7 +183,8 @@ template <class Visitor>
 void VisitFields(Visitor& visit, WallEntry& o) {
   visit("points", o.points, Nested(), "corners of the surface that is seen, on the left of the way");
   visit("closed", o.closed, Nested(), "the last point is joined with the first");
-  visit("height_m", o.height_m, Positive(), "over the floor");
+  visit("base_m", o.base_m, Between(-10, 10), "height of its lower edge");
+  visit("height_m", o.height_m, Positive(), "height of its upper edge");
   visit("thickness_m", o.thickness_m, Between(0.005, 5), "behind the surface");
   visit("texture", o.texture, Nested(), "what it looks like");
   visit("rgb", o.rgb, Nested(), "colour without a texture");

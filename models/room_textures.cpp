@@ -29,8 +29,7 @@ cv::Mat MakeWood(const TextureOptions& o, cv::Size size, RandomStream& random) {
   for (int y = 0; y < turned.height; ++y) {
     for (int x = 0; x < turned.width; ++x) {
       const float phase = float(y) * float(rings) / float(turned.height) + 1.6f * warp.at<float>(y, x);
-      const float part = phase - std::floor(phase);
-      const float tone = 0.1f - 0.24f * part * part + 0.035f * streaks.at<float>(y, x);
+      const float tone = 0.13f * GrowthRing(phase) + 0.04f * streaks.at<float>(y, x);
       field.at<float>(y, x) = 1 + float(o.contrast) * tone;
     }
   }

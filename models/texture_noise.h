@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cmath>
 #include <opencv2/core.hpp>
 
 #include "algorithms/core/random.h"
@@ -22,6 +23,14 @@ cv::Mat FractalNoise(cv::Size size, int coarsest_px, int finest_px, double rough
 
 /// Streaks along x of about `length_px` (divides the width), one pixel wide, with coarser streaks mixed in: wood grain.
 cv::Mat StreakNoise(cv::Size size, int length_px, RandomStream& random);
+
+/// Growth rings of wood across a phase of one per ring: slowly darker, then quickly light again. @returns -1..0.5.
+inline float GrowthRing(float phase) {
+  constexpr float kEdge = 0.82f;  // not a jump: that would show as stairs in close-ups
+  const float part = phase - std::floor(phase);
+  const float rise = part < kEdge ? part / kEdge : (1 - part) / (1 - kEdge);
+  return 0.5f - 1.5f * rise * rise;
+}
 
 /// Subtracts the mean and divides by the standard deviation.
 void Normalize(cv::Mat& field);
