@@ -5,7 +5,7 @@
 ///
 /// Both layouts are read unchanged by tools made for them. Files of ours beside the layout's own:
 ///
-///   calibration.yaml     cameras, extrinsics, IMU noise, exactly as the system was told them (calibration_file.h)
+///   calibration.yaml     cameras, extrinsics, IMU noise, as the system was told them (calibration_file.h)
 ///   times.txt            "id t_s exposure_ms" per frame, as direct odometry reads it
 ///   exposure.csv         stamp_ns, exposure_ms, and how many samples of imu.csv and joints.csv belong to the frame
 ///   imu.csv, joints.csv  stamp_ns and readings; numbers as short as they come back exactly
@@ -14,8 +14,9 @@
 ///   tum    rgb/ rgb.txt [depth/ depth.txt associations.txt] [rgb_right/ rgb_right.txt] [accelerometer.txt]
 ///   euroc  mav0/{cam0,cam1,depth0}/{data/,data.csv,sensor.yaml} mav0/imu0/{data.csv,sensor.yaml}
 ///
-/// Depth PNGs hold 16 bits, 5000 per metre, 0 where nothing was measured. Where a depth image does not fit them exactly
-/// (further than 13.1 m, or not a multiple of 0.2 mm), a lossless twin lies under the same name in depth_exact/*.tiff.
+/// Depth PNGs hold 16 bits, 5000 per metre, 0 where nothing was measured. Where a measured depth image does not fit
+/// them exactly (further than 13.1 m, or not a multiple of 0.2 mm), a lossless twin lies in depth_exact/STAMP_NS.tiff;
+/// of true depth, only where it reaches further than 13.1 m.
 ///
 /// Truth of both layouts:
 ///
@@ -24,7 +25,6 @@
 ///   subposes.csv         every sub-frame: its frame's stamp, its own, weight, X_WC
 ///   sharp/ sharp.txt, depth/ depth.txt, blur/ blur.txt   sharp twin; depth; blur vectors as 16-bit PNG in the way that
 ///                        KITTI stores optical flow: red and green hold 64 x + 2^15, blue 1 where the vector is known
-///   associations.txt     (tum) image and true depth
 ///   mav0/state_groundtruth_estimate0/{data.csv,sensor.yaml}   (euroc) pose of the body, which is the IMU
 ///
 /// Stamps are nanoseconds on one clock, images are stamped at mid-exposure.

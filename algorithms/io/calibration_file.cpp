@@ -1,0 +1,327 @@
+#include "algorithms/io/calibration_file.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/core/fields.h"
+#include "algorithms/io/text_table.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr double kNotUnit = 1e-3;  // calibrations by others have six digits or so
+
+/// A map in a YAML file; what it is asked for must be there.
+class YamlMap {
+ public:
+  explicit YamlMap(const std::filesystem::path& file) : file_(file.string()) {
+    std::ifstream stream(file);
+    if (!stream || std::filesystem::is_directory(file)) throw BadInput(file_ + ": cannot read this file");
+    std::ostringstream buffer;
+    buffer << stream.rdbuf();
+    std::string text = buffer.str();
+    if (text.rfind("%YAML", 0) == 0) text[0] = '#';  // OpenCV's "%YAML:1.0" is not YAML; as a comment it does no harm
+    try {
+      node_ = YAML::Load(text);
+    } catch (const YAML::ParserException& e) {
+      throw BadInput(file_ + ":" + std::to_string(e.mark.line + 1) + ": not valid YAML: " + e.msg);
+    }
+    if (!node_.IsMap()) Fail(node_, "expected a map of keys and values");
+  }
+
+  bool Has(const std::string& key) const { return node_[key].IsDefined(); }
+
+  YamlMap Map(const std::string& key) const {
+    const YAML::Node child = Required(key);
+    if (!child.IsMap()) Fail(child, key + ": expected a map of keys and values");
+    return {file_, child};
+  }
+
+  double Number(const std::string& key) const { return Scalar<double>(Required(key), key, "a number"); }
+  int Integer(const std::string& key) const { return Scalar<int>(Required(key), key, "a whole number"); }
+  bool Flag(const std::string& key) const { return Scalar<bool>(Required(key), key, "true or false"); }
+  std::string Text(const std::string& key) const { return Scalar<std::string>(Required(key), key, "a text"); }
+
+  /// @param most if larger than `fewest`, lists of up to so many numbers are accepted.
+  std::vector<double> Numbers(const std::string& key, size_t fewest, size_t most = 0) const {
+    const YAML::Node list = Required(key);
+    most = std::max(fewest, most);
+    if (!list.IsSequence() || list.size() < fewest || list.size() > most) {
+      Fail(list, key + ": expected a list of " + std::to_string(fewest) +
+                     (most > fewest ? " to " + std::to_string(most) : "") + " numbers");
+    }
+    std::vector<double> numbers;
+    for (const YAML::Node& element : list) numbers.push_back(Scalar<double>(element, key, "a list of numbers"));
+    return numbers;
+  }
+
+  void RejectUnknown(const std::vector<std::string>& known) const {
+    for (const auto& entry : node_) {
+      const std::string key = entry.first.Scalar();
+      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+      const std::string near = NearestWord(key, known);
+      Fail(entry.first, key + ": unknown key" + (near.empty() ? "" : "; did you mean " + near + "?"));
+    }
+  }
+
+  [[noreturn]] void Fail(const std::string& key, const std::string& message) const {
+    Fail(node_[key], key + ": " + message);
+  }
+
+ private:
+  YamlMap(std::string file, YAML::Node node) : file_(std::move(file)), node_(std::move(node)) {}
+
+  YAML::Node Required(const std::string& key) const {
+    const YAML::Node child = node_[key];
+    if (!child.IsDefined()) Fail(node_, "the key " + key + " is missing");
+    return child;
+  }
+
+  template <class T>
+  T Scalar(const YAML::Node& node, const std::string& key, const char* expected) const {
+    T value{};
+    bool good = node.IsScalar();
+    if (good) {
+      try {
+        value = node.as<T>();
+      } catch (const YAML::Exception&) {
+        good = false;
+      }
+    }
+    if constexpr (std::is_same_v<T, double>) good = good && std::isfinite(value);
+    if (!good) Fail(node, key + ": expected " + expected);
+    return value;
+  }
+
+  [[noreturn]] void Fail(const YAML::Node& node, const std::string& message) const {
+    const int line = node.IsDefined() && !node.Mark().is_null() ? node.Mark().line : 0;
+    throw BadInput(file_ + ":" + std::to_string(line + 1) + ": " + message);
+  }
+
+  std::string file_;
+  YAML::Node node_;
+};
+
+std::string List(const std::vector<double>& numbers) {
+  std::string text = "[";
+  for (size_t i = 0; i < numbers.size(); ++i) text += (i ? ", " : "") + ExactText(numbers[i]);
+  return text + "]";
+}
+
+const std::vector<std::string> kCameraKeys = {"width_px", "height_px", "fx", "fy", "cx", "cy",
+                                              "k1",       "k2",        "p1", "p2", "k3"};
+
+std::string CameraText(const std::string& key, const CameraModel& c) {
+  std::string text =
+      key + ":\n  width_px: " + std::to_string(c.width_px) + "\n  height_px: " + std::to_string(c.height_px) + "\n";
+  const std::vector<double> numbers = {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+  for (size_t i = 0; i < numbers.size(); ++i) text += "  " + kCameraKeys[i + 2] + ": " + ExactText(numbers[i]) + "\n";
+  return text;
+}
+
+CameraModel ReadCamera(const YamlMap& map) {
+  map.RejectUnknown(kCameraKeys);
+  CameraModel c;
+  c.width_px = map.Integer("width_px");
+  c.height_px = map.Integer("height_px");
+  const std::vector<double*> members = {&c.fx, &c.fy, &c.cx, &c.cy, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3};
+  for (size_t i = 0; i < members.size(); ++i) *members[i] = map.Number(kCameraKeys[i + 2]);
+  for (const char* key : {"width_px", "height_px", "fx", "fy"}) {
+    if (!(map.Number(key) > 0)) map.Fail(key, "expected a number greater than 0");
+  }
+  return c;
+}
+
+std::string PoseText(const std::string& indent, const std::string& key, const Pose& X) {
+  const Eigen::Vector3d& t = X.translation;
+  const Eigen::Quaterniond& q = X.rotation;
+  return indent + key + ":\n" + indent + "  translation_m: " + List({t.x(), t.y(), t.z()}) + "\n" + indent +
+         "  rotation_xyzw: " + List({q.x(), q.y(), q.z(), q.w()}) + "\n";
+}
+
+Pose ReadPose(const YamlMap& map) {
+  map.RejectUnknown({"translation_m", "rotation_xyzw"});
+  const std::vector<double> t = map.Numbers("translation_m", 3), q = map.Numbers("rotation_xyzw", 4);
+  Pose X;
+  X.translation = {t[0], t[1], t[2]};
+  X.rotation = Eigen::Quaterniond(q[3], q[0], q[1], q[2]);  // as it stands: normalising again would move the last bit
+  const double norm = X.rotation.norm();
+  if (std::abs(norm - 1) > kNotUnit) map.Fail("rotation_xyzw", "has length " + ExactText(norm) + "; expected 1");
+  constexpr double kRounding = 1e-14;
+  if (std::abs(norm - 1) > kRounding) X.rotation.normalize();
+  return X;
+}
+
+const std::vector<std::string> kImuNumbers = {"rate_hz", "gyro_noise_density", "gyro_random_walk",
+                                              "accel_noise_density", "accel_random_walk"};
+
+std::vector<double*> ImuMembers(ImuCalibration& imu) {
+  return {&imu.rate_hz, &imu.gyro_noise_density, &imu.gyro_random_walk, &imu.accel_noise_density,
+          &imu.accel_random_walk};
+}
+
+ImuCalibration ReadImu(const YamlMap& map) {
+  std::vector<std::string> known = kImuNumbers;
+  known.push_back("X_CI");
+  map.RejectUnknown(known);
+  ImuCalibration imu;
+  const std::vector<double*> members = ImuMembers(imu);
+  for (size_t i = 0; i < members.size(); ++i) {
+    *members[i] = map.Number(kImuNumbers[i]);
+    if (*members[i] < 0) map.Fail(kImuNumbers[i], "expected a number of at least 0");
+  }
+  imu.X_CI = ReadPose(map.Map("X_CI"));
+  return imu;
+}
+
+std::string MatrixText(const Pose& X) {
+  const Eigen::Matrix4d M = X.Matrix();
+  std::string text = "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
+  for (int i = 0; i < 16; ++i) {
+    text += ExactText(M(i / 4, i % 4)) + (i == 15 ? "]\n" : i % 4 == 3 ? ",\n         " : ", ");
+  }
+  return text;
+}
+
+Pose ReadMatrix(const YamlMap& sensor) {
+  const YamlMap map = sensor.Map("T_BS");
+  const std::vector<double> data = map.Numbers("data", 16);
+  const Eigen::Matrix4d M = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data.data());
+  const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
+  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kNotUnit || R.determinant() < 0) {
+    map.Fail("data", "the upper left 3 x 3 numbers are not a rotation matrix");
+  }
+  return {R, M.topRightCorner<3, 1>()};
+}
+
+/// Body to left camera: the body is the IMU where there is one.
+Pose X_BC(const Calibration& calibration) {
+  return calibration.imu.rate_hz > 0 ? calibration.imu.X_CI.Inverse() : Pose();
+}
+
+struct EurocCamera {
+  CameraModel camera;
+  Pose X_BC;
+  double rate_hz = 0;
+};
+
+EurocCamera ReadEurocCamera(const std::filesystem::path& file) {
+  const YamlMap map(file);
+  EurocCamera result;
+  if (const std::string model = map.Text("camera_model"); model != "pinhole") {
+    map.Fail("camera_model", model + " is not supported; expected pinhole");
+  }
+  const std::string distortion = map.Text("distortion_model");
+  if (distortion != "radial-tangential" && distortion != "radtan") {
+    map.Fail("distortion_model", distortion + " is not supported; expected radial-tangential");
+  }
+  const std::vector<double> size = map.Numbers("resolution", 2), k = map.Numbers("intrinsics", 4),
+                            d = map.Numbers("distortion_coefficients", 4, 5);
+  if (!(size[0] >= 1 && size[1] >= 1)) map.Fail("resolution", "expected [width, height] in pixels");
+  if (!(k[0] > 0 && k[1] > 0)) map.Fail("intrinsics", "expected [fu, fv, cu, cv] with positive focal lengths");
+  CameraModel& c = result.camera;
+  c.width_px = int(size[0]);
+  c.height_px = int(size[1]);
+  c.fx = k[0], c.fy = k[1], c.cx = k[2], c.cy = k[3];
+  c.k1 = d[0], c.k2 = d[1], c.p1 = d[2], c.p2 = d[3], c.k3 = d.size() > 4 ? d[4] : 0.0;
+  result.X_BC = ReadMatrix(map);
+  result.rate_hz = map.Number("rate_hz");
+  return result;
+}
+
+}  // namespace
+
+std::string CalibrationText(const Calibration& calibration) {
+  std::string text =
+      "# Pinhole cameras with radial-tangential distortion; pixels from the centre of the first one.\n"
+      "# X_AB maps points of B into A. C is the left camera (x right, y down, z forward), R the right one, I the IMU.\n"
+      "# IMU noise: continuous-time densities (rad/s and m/s^2 per sqrt(Hz)) and random walks; rate 0 means no IMU.\n";
+  text += CameraText("camera", calibration.camera);
+  if (calibration.right) {
+    text += CameraText("right", *calibration.right) + PoseText("", "X_LR", calibration.X_LR);
+  }
+  text += std::string("has_depth: ") + (calibration.has_depth ? "true" : "false") + "\n";
+  text += "frame_rate_hz: " + ExactText(calibration.frame_rate_hz) + "\nimu:\n";
+  ImuCalibration imu = calibration.imu;
+  const std::vector<double*> members = ImuMembers(imu);
+  for (size_t i = 0; i < members.size(); ++i) text += "  " + kImuNumbers[i] + ": " + ExactText(*members[i]) + "\n";
+  return text + PoseText("  ", "X_CI", imu.X_CI);
+}
+
+Calibration ReadCalibration(const std::filesystem::path& file) {
+  const YamlMap map(file);
+  map.RejectUnknown({"camera", "right", "X_LR", "has_depth", "frame_rate_hz", "imu"});
+  Calibration calibration;
+  calibration.camera = ReadCamera(map.Map("camera"));
+  if (map.Has("right")) {
+    calibration.right = ReadCamera(map.Map("right"));
+    calibration.X_LR = ReadPose(map.Map("X_LR"));
+  }
+  if (map.Has("has_depth")) calibration.has_depth = map.Flag("has_depth");
+  if (map.Has("frame_rate_hz")) calibration.frame_rate_hz = map.Number("frame_rate_hz");
+  if (map.Has("imu")) calibration.imu = ReadImu(map.Map("imu"));
+  return calibration;
+}
+
+std::string EurocCameraText(const Calibration& calibration, bool right) {
+  GAITCAM_ASSERT(!right || calibration.right);
+  const CameraModel& c = right ? *calibration.right : calibration.camera;
+  const Pose X_BS = right ? X_BC(calibration) * calibration.X_LR : X_BC(calibration);
+  std::vector<double> distortion = {c.k1, c.k2, c.p1, c.p2};
+  if (c.k3 != 0) distortion.push_back(c.k3);
+  std::string text =
+      "sensor_type: camera\ncomment: " + std::string(right ? "right" : "left") +
+      " camera; images are stamped at mid-exposure\n\n# Maps points of the camera into the body, which is " +
+      (calibration.imu.rate_hz > 0 ? "the IMU.\n" : "the left camera.\n") + MatrixText(X_BS) +
+      "\nrate_hz: " + ExactText(calibration.frame_rate_hz) + "\nresolution: [" + std::to_string(c.width_px) + ", " +
+      std::to_string(c.height_px) + "]\ncamera_model: pinhole\nintrinsics: " + List({c.fx, c.fy, c.cx, c.cy}) +
+      "  # fu, fv, cu, cv\ndistortion_model: radial-tangential\ndistortion_coefficients: " + List(distortion) +
+      (c.k3 != 0 ? "  # k1, k2, p1, p2, k3\n" : "  # k1, k2, p1, p2\n");
+  return text;
+}
+
+std::string EurocImuText(const Calibration& calibration) {
+  const ImuCalibration& imu = calibration.imu;
+  return "sensor_type: imu\ncomment: simulated IMU; it is the body\n\n" + MatrixText(Pose()) +
+         "\nrate_hz: " + ExactText(imu.rate_hz) + "\ngyroscope_noise_density: " + ExactText(imu.gyro_noise_density) +
+         "  # rad/s/sqrt(Hz)" + "\ngyroscope_random_walk: " + ExactText(imu.gyro_random_walk) + "  # rad/s^2/sqrt(Hz)" +
+         "\naccelerometer_noise_density: " + ExactText(imu.accel_noise_density) + "  # m/s^2/sqrt(Hz)" +
+         "\naccelerometer_random_walk: " + ExactText(imu.accel_random_walk) + "  # m/s^3/sqrt(Hz)\n";
+}
+
+std::string EurocTruthText() {
+  return "sensor_type: visual-inertial\ncomment: exact pose of the body at mid-exposure, from the simulator\n\n" +
+         MatrixText(Pose());
+}
+
+Calibration ReadEurocCalibration(const std::filesystem::path& mav0) {
+  Calibration calibration;
+  const EurocCamera left = ReadEurocCamera(mav0 / "cam0" / "sensor.yaml");
+  calibration.camera = left.camera;
+  calibration.frame_rate_hz = left.rate_hz;
+  if (std::filesystem::exists(mav0 / "cam1" / "sensor.yaml")) {
+    const EurocCamera right = ReadEurocCamera(mav0 / "cam1" / "sensor.yaml");
+    calibration.right = right.camera;
+    calibration.X_LR = left.X_BC.Inverse() * right.X_BC;
+  }
+  if (std::filesystem::exists(mav0 / "imu0" / "sensor.yaml")) {
+    const YamlMap map(mav0 / "imu0" / "sensor.yaml");
+    ImuCalibration& imu = calibration.imu;
+    imu.rate_hz = map.Number("rate_hz");
+    imu.gyro_noise_density = map.Number("gyroscope_noise_density");
+    imu.gyro_random_walk = map.Number("gyroscope_random_walk");
+    imu.accel_noise_density = map.Number("accelerometer_noise_density");
+    imu.accel_random_walk = map.Number("accelerometer_random_walk");
+    imu.X_CI = left.X_BC.Inverse() * ReadMatrix(map);
+  }
+  return calibration;
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,414 @@
+#include "algorithms/io/dataset_writer.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <limits>
+#include <opencv2/core.hpp>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/io/calibration_file.h"
+#include "algorithms/io/image_file.h"
+#include "algorithms/io/text_table.h"
+#include "algorithms/io/trajectory_file.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Csv(const Pose& X) {
+  const Eigen::Vector3d& t = X.translation;
+  const Eigen::Quaterniond& q = X.rotation;
+  std::string text;
+  for (const double number : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) text += ',' + ExactText(number);
+  return text;
+}
+
+std::string CsvOrEmpty(const std::optional<Pose>& X) { return X ? Csv(*X) : std::string(7, ','); }
+
+std::string PoseColumns(const std::string& of) {
+  std::string text;
+  for (const char* name : {"x", "y", "z", "qx", "qy", "qz", "qw"}) text += "," + of + "_" + name;
+  return text;
+}
+
+void WriteText(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  WriteWholeFile(file, text);
+}
+
+/// A folder that gets its name when it is whole; until then it is NAME.partial, and is removed if abandoned.
+class PendingFolder {
+ public:
+  explicit PendingFolder(fs::path wanted) : wanted_(std::move(wanted)), path_(wanted_) {
+    path_ += ".partial";
+    for (const fs::path& taken : {wanted_, path_}) {
+      if (fs::exists(taken)) throw BadInput(taken.string() + ": exists already; remove it or choose another name");
+    }
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error) throw MissingResource(path_.string() + ": cannot make this folder: " + error.message());
+  }
+  ~PendingFolder() {
+    std::error_code ignored;
+    if (!named_) fs::remove_all(path_, ignored);
+  }
+  PendingFolder(const PendingFolder&) = delete;
+  PendingFolder& operator=(const PendingFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+  void Name() {
+    std::error_code error;
+    fs::rename(path_, wanted_, error);
+    if (error) throw MissingResource(wanted_.string() + ": cannot name this folder: " + error.message());
+    named_ = true;
+  }
+
+ private:
+  fs::path wanted_, path_;
+  bool named_ = false;
+};
+
+/// A table that grows by rows.
+class RowFile {
+ public:
+  RowFile(fs::path file, const std::string& header) : file_(std::move(file)) {
+    fs::create_directories(file_.parent_path());
+    stream_.open(file_, std::ios::binary);
+    Row(header);
+  }
+  void Row(const std::string& row) {
+    stream_ << row << '\n';
+    if (!stream_) throw MissingResource(file_.string() + ": cannot write this file");
+  }
+  void Close() {
+    stream_.close();
+    if (!stream_) throw MissingResource(file_.string() + ": cannot write this file");
+  }
+
+ private:
+  fs::path file_;
+  std::ofstream stream_;
+};
+
+/// A folder of images and the table that lists them.
+class ImageFiles {
+ public:
+  /// TUM: NAME/ and NAME.txt in `root`. EuRoC: NAME/data/ and NAME/data.csv.
+  ImageFiles(const fs::path& root, const std::string& name, DatasetFormat format)
+      : format_(format),
+        name_(name),
+        folder_(format == DatasetFormat::kTum ? root / name : root / name / "data"),
+        table_(format == DatasetFormat::kTum ? root / (name + ".txt") : root / name / "data.csv",
+               format == DatasetFormat::kTum ? "# timestamp filename" : "#timestamp [ns],filename") {
+    fs::create_directories(folder_);
+  }
+
+  /// Lists an image and @returns where to write it.
+  fs::path Add(int64_t stamp_ns) {
+    if (format_ == DatasetFormat::kTum) {
+      table_.Row(TumEntry(stamp_ns));
+      return folder_ / (SecondsText(stamp_ns) + ".png");
+    }
+    const std::string file = std::to_string(stamp_ns) + ".png";
+    table_.Row(std::to_string(stamp_ns) + "," + file);
+    return folder_ / file;
+  }
+  std::string TumEntry(int64_t stamp_ns) const {
+    return SecondsText(stamp_ns) + " " + name_ + "/" + SecondsText(stamp_ns) + ".png";
+  }
+  void Close() { table_.Close(); }
+
+ private:
+  DatasetFormat format_;
+  std::string name_;
+  fs::path folder_;
+  RowFile table_;
+};
+
+bool TooFarForPng(const cv::Mat& depth) {
+  double farthest = 0;
+  cv::minMaxLoc(depth, nullptr, &farthest);
+  return farthest > std::numeric_limits<uint16_t>::max() / kDepthUnitsPerMetre;
+}
+
+void WriteDepth(const fs::path& root, ImageFiles& files, int64_t stamp_ns, const cv::Mat& depth, bool measured,
+                int compression) {
+  const bool exact = WriteDepthPng(files.Add(stamp_ns), depth, compression);
+  if (measured ? exact : !TooFarForPng(depth)) return;
+  fs::create_directories(root / "depth_exact");
+  WriteDepthTiff(root / "depth_exact" / (std::to_string(stamp_ns) + ".tiff"), depth);
+}
+
+const char* const kSensorsText =
+    "What a walking robot's sensors recorded (layout: {}). The truth lies beside this folder{}.\n"
+    "Stamps are nanoseconds on one clock. An image's stamp is the middle of its exposure; times.txt and exposure.csv "
+    "give\n"
+    "the exposure in ms. Camera frame: x right, y down, z forward; pixel (0, 0) is the centre of the first pixel, row "
+    "0\n"
+    "the top. calibration.yaml holds intrinsics, extrinsics and IMU noise. IMU readings are in the IMU's own frame.\n"
+    "Depth PNGs: metres times 5000, 0 where nothing was measured.\n"
+    "Frames: {}. Recording: {}.\n";
+
+const char* const kTruthText =
+    "What is true of the recording beside this folder; keep it from what is being evaluated.\n"
+    "X_AB maps points of B into A. World W: x forward, y left, z up. C: left camera (x right, y down, z forward).\n"
+    "groundtruth.txt: X_WC at mid-exposure. frames.csv: X_WC at shutter open and close, blur over the image (path\n"
+    "lengths, px), gait phase, foot contacts, X_WB of the robot's root. subposes.csv: the instants that were "
+    "averaged.\n"
+    "sharp/: one instant at mid-exposure without noise. depth/: metres times 5000. blur/: how far the point seen at a\n"
+    "pixel moved while the shutter was open: (red - 32768) / 64 px to the right, (green - 32768) / 64 px down, known "
+    "where\n"
+    "blue is 1. mav0/ (if there): pose of the body, which is the IMU, or the left camera if there is no IMU.\n"
+    "Frames: {}. Recording: {}.\n";
+
+/// The part that no SLAM system is given.
+class TruthFiles {
+ public:
+  TruthFiles(const fs::path& folder, const fs::path& sensors, const Calibration& calibration,
+             const DatasetWriterOptions& options)
+      : calibration_(calibration),
+        options_(options),
+        folder_(folder),
+        frames_(folder_.path() / "frames.csv",
+                "#stamp_ns" + PoseColumns("X_WC_open") + PoseColumns("X_WC_close") +
+                    ",blur_median_px,blur_p90_px,blur_max_px,step,step_phase,left_contact,right_contact" +
+                    PoseColumns("X_WB")),
+        subposes_(folder_.path() / "subposes.csv", "#frame_stamp_ns,stamp_ns,weight" + PoseColumns("X_WC")) {
+    const std::string header = "# timestamp tx ty tz qx qy qz qw";
+    poses_.emplace_back(folder_.path() / "groundtruth.txt", header);
+    const bool euroc = options.format == DatasetFormat::kEuroc;
+    if (options.truth_inside && !euroc) poses_.emplace_back(sensors / "groundtruth.txt", header);
+    if (euroc) AddStates(folder_.path());
+    if (euroc && options.truth_inside) AddStates(sensors);
+  }
+
+  void Add(int64_t stamp_ns, const FrameTruthRecord& truth) {
+    for (RowFile& file : poses_) file.Row(TrajectoryRow({stamp_ns, truth.X_WC}, TrajectoryFormat::kTum));
+    const Pose X_WI = truth.X_WI ? *truth.X_WI : truth.X_WC * calibration_.imu.X_CI;
+    const Pose body = calibration_.imu.rate_hz > 0 ? X_WI : truth.X_WC;
+    for (RowFile& file : states_) file.Row(TrajectoryRow({stamp_ns, body}, TrajectoryFormat::kEuroc));
+    frames_.Row(std::to_string(stamp_ns) + CsvOrEmpty(truth.X_WC_open) + CsvOrEmpty(truth.X_WC_close) +
+                fmt::format(",{},{},{},{},{},{},{}", truth.blur_median_px, truth.blur_p90_px, truth.blur_max_px,
+                            truth.step, truth.step_phase, int(truth.left_contact), int(truth.right_contact)) +
+                CsvOrEmpty(truth.X_WB));
+    for (const auto& sub : truth.subposes) {
+      subposes_.Row(fmt::format("{},{},{}", stamp_ns, sub.stamp_ns, sub.weight) + Csv(sub.X_WC));
+    }
+    AddImages(stamp_ns, truth);
+  }
+
+  void Finish(int64_t frames, const std::string& ending) {
+    for (RowFile& file : poses_) file.Close();
+    for (RowFile& file : states_) file.Close();
+    frames_.Close();
+    subposes_.Close();
+    for (auto* files : {&sharp_, &depth_, &blur_}) {
+      if (*files) (*files)->Close();
+    }
+    WriteText(folder_.path() / "about.txt", fmt::format(fmt::runtime(kTruthText), frames, ending));
+    folder_.Name();
+  }
+
+ private:
+  void AddStates(const fs::path& root) {
+    const fs::path folder = root / "mav0" / "state_groundtruth_estimate0";
+    states_.emplace_back(
+        folder / "data.csv",
+        "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []");
+    WriteText(folder / "sensor.yaml", EurocTruthText());
+  }
+
+  void AddImages(int64_t stamp_ns, const FrameTruthRecord& truth) {
+    const auto files = [&](std::optional<ImageFiles>& of, const char* name) -> ImageFiles& {
+      if (!of) of.emplace(folder_.path(), name, DatasetFormat::kTum);
+      return *of;
+    };
+    const int level = options_.png_compression;
+    if (!truth.sharp.empty()) WritePng(files(sharp_, "sharp").Add(stamp_ns), truth.sharp, level);
+    if (!truth.blur.empty()) WriteVectorsPng(files(blur_, "blur").Add(stamp_ns), truth.blur, level);
+    if (!truth.depth.empty()) {
+      WriteDepth(folder_.path(), files(depth_, "depth"), stamp_ns, truth.depth, false, level);
+    }
+  }
+
+  Calibration calibration_;
+  DatasetWriterOptions options_;
+  PendingFolder folder_;
+  std::vector<RowFile> poses_, states_;
+  RowFile frames_, subposes_;
+  std::optional<ImageFiles> sharp_, depth_, blur_;
+};
+
+}  // namespace
+
+class DatasetWriter::Files {
+ public:
+  Files(const DatasetFolders& folders, const Calibration& calibration, const DatasetWriterOptions& options);
+  void Add(const Observation& observation, const std::optional<FrameTruthRecord>& truth);
+  void Finish(const std::string& ending);
+  int64_t frames() const { return frames_; }
+
+ private:
+  void Check(const Observation& observation) const;
+  void AddImages(const Observation& observation);
+  void AddTrueDepth(const FrameTruthRecord& truth, int64_t stamp_ns);
+  void AddSamples(const Observation& observation);
+
+  bool tum() const { return options_.format == DatasetFormat::kTum; }
+  fs::path root() const { return tum() ? folder_.path() : folder_.path() / "mav0"; }
+
+  DatasetFolders folders_;
+  Calibration calibration_;
+  DatasetWriterOptions options_;
+  PendingFolder folder_;
+  ImageFiles left_;
+  std::optional<ImageFiles> right_, depth_;
+  RowFile times_, exposures_;
+  std::optional<RowFile> associations_, imu_, accelerometer_, joints_;
+  std::optional<TruthFiles> truth_;
+  int64_t frames_ = 0, last_stamp_ns_ = 0;
+};
+
+DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& calibration,
+                            const DatasetWriterOptions& options)
+    : folders_(folders),
+      calibration_(calibration),
+      options_(options),
+      folder_(folders.sensors),
+      left_(root(), tum() ? "rgb" : "cam0", options.format),
+      times_(folder_.path() / "times.txt", "# id time_s exposure_ms"),
+      exposures_(folder_.path() / "exposure.csv", "#stamp_ns,exposure_ms,imu_samples,joint_samples") {
+  if (options.png_compression < 0 || options.png_compression > 9) {
+    throw BadOption("png_compression: " + std::to_string(options.png_compression) +
+                    " is not permitted; expected 0 to 9");
+  }
+  if (fs::exists(folders.truth)) {
+    throw BadInput(folders.truth.string() + ": exists already; remove it or choose another name");
+  }
+  WriteText(folder_.path() / "calibration.yaml", CalibrationText(calibration));
+  if (calibration.right) right_.emplace(root(), tum() ? "rgb_right" : "cam1", options.format);
+  if (calibration.has_depth) depth_.emplace(root(), tum() ? "depth" : "depth0", options.format);
+  if (tum() && depth_) associations_.emplace(folder_.path() / "associations.txt", "# time image time depth");
+  if (!tum()) {
+    WriteText(root() / "cam0" / "sensor.yaml", EurocCameraText(calibration, false));
+    if (calibration.right) WriteText(root() / "cam1" / "sensor.yaml", EurocCameraText(calibration, true));
+    if (calibration.imu.rate_hz > 0) WriteText(root() / "imu0" / "sensor.yaml", EurocImuText(calibration));
+  }
+  if (calibration.imu.rate_hz > 0) {
+    imu_.emplace(tum() ? folder_.path() / "imu.csv" : root() / "imu0" / "data.csv",
+                 "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
+                 "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]");
+    if (tum()) accelerometer_.emplace(folder_.path() / "accelerometer.txt", "# timestamp ax ay az");
+  }
+}
+
+void DatasetWriter::Files::Check(const Observation& o) const {
+  const std::string where = "frame at " + SecondsText(o.stamp_ns) + " s: ";
+  if (frames_ > 0 && o.stamp_ns <= last_stamp_ns_) throw BadInput(where + "its stamp does not increase");
+  const auto check_size = [&](const cv::Mat& image, const CameraModel& camera, const char* what) {
+    if (image.cols == camera.width_px && image.rows == camera.height_px) return;
+    throw BadInput(where + fmt::format("the {} has {} x {} pixels, but the calibration says {} x {}", what, image.cols,
+                                       image.rows, camera.width_px, camera.height_px));
+  };
+  check_size(o.image.pixels, calibration_.camera, "image");
+  if (calibration_.right.has_value() != o.right.has_value() || calibration_.has_depth != o.depth.has_value()) {
+    throw BadInput(where + "has not just the images that the calibration says");
+  }
+  if (o.right) check_size(o.right->pixels, *calibration_.right, "right image");
+  if (o.depth) check_size(o.depth->pixels, calibration_.camera, "depth image");
+  if (!imu_ && !o.imu.empty()) throw BadInput(where + "has IMU samples, but the calibration says that there is no IMU");
+}
+
+void DatasetWriter::Files::AddImages(const Observation& o) {
+  const int level = options_.png_compression;
+  WritePng(left_.Add(o.stamp_ns), o.image.pixels, level);
+  if (o.right) WritePng(right_->Add(o.right->stamp_ns), o.right->pixels, level);
+  if (o.depth) {
+    WriteDepth(folder_.path(), *depth_, o.depth->stamp_ns, o.depth->pixels, true, level);
+    if (associations_) associations_->Row(left_.TumEntry(o.stamp_ns) + " " + depth_->TumEntry(o.depth->stamp_ns));
+  }
+}
+
+/// True depth in place of a sensor's, for tools that want an RGB-D folder whole.
+void DatasetWriter::Files::AddTrueDepth(const FrameTruthRecord& truth, int64_t stamp_ns) {
+  if (!options_.truth_inside || !tum() || calibration_.has_depth || truth.depth.empty()) return;
+  if (!depth_) {
+    depth_.emplace(root(), "depth", options_.format);
+    associations_.emplace(folder_.path() / "associations.txt", "# time image time depth");
+  }
+  WriteDepthPng(depth_->Add(stamp_ns), truth.depth, options_.png_compression);
+  associations_->Row(left_.TumEntry(stamp_ns) + " " + depth_->TumEntry(stamp_ns));
+}
+
+void DatasetWriter::Files::AddSamples(const Observation& o) {
+  for (const ImuSample& sample : o.imu) {
+    std::string row = std::to_string(sample.stamp_ns), force = SecondsText(sample.stamp_ns);
+    for (int i = 0; i < 3; ++i) row += "," + ExactText(sample.angular_rate[i]);
+    for (int i = 0; i < 3; ++i) {
+      row += "," + ExactText(sample.specific_force[i]);
+      force += " " + ExactText(sample.specific_force[i]);
+    }
+    imu_->Row(row);
+    if (accelerometer_) accelerometer_->Row(force);
+  }
+  for (const JointSample& sample : o.joints) {
+    if (!joints_) {
+      std::string header = "#stamp_ns,left_contact,right_contact";
+      for (size_t i = 0; i < sample.position.size(); ++i) header += ",joint_" + std::to_string(i);
+      joints_.emplace(folder_.path() / "joints.csv", header);
+    }
+    std::string row = fmt::format("{},{},{}", sample.stamp_ns, int(sample.left_contact), int(sample.right_contact));
+    for (const double position : sample.position) row += "," + ExactText(position);
+    joints_->Row(row);
+  }
+}
+
+void DatasetWriter::Files::Add(const Observation& o, const std::optional<FrameTruthRecord>& truth) {
+  Check(o);
+  AddImages(o);
+  AddSamples(o);
+  times_.Row(fmt::format("{:05d} {} {}", frames_, SecondsText(o.stamp_ns), ExactText(o.exposure_ms)));
+  exposures_.Row(fmt::format("{},{},{},{}", o.stamp_ns, ExactText(o.exposure_ms), o.imu.size(), o.joints.size()));
+  if (truth) {
+    if (!truth_) truth_.emplace(folders_.truth, folder_.path(), calibration_, options_);
+    truth_->Add(o.stamp_ns, *truth);
+    AddTrueDepth(*truth, o.stamp_ns);
+  }
+  last_stamp_ns_ = o.stamp_ns;
+  ++frames_;
+}
+
+void DatasetWriter::Files::Finish(const std::string& ending) {
+  for (auto* files : {&right_, &depth_}) {
+    if (*files) (*files)->Close();
+  }
+  for (auto* file : {&associations_, &imu_, &accelerometer_, &joints_}) {
+    if (*file) (*file)->Close();
+  }
+  left_.Close();
+  times_.Close();
+  exposures_.Close();
+  WriteText(folder_.path() / "about.txt",
+            fmt::format(fmt::runtime(kSensorsText), ToString(options_.format),
+                        options_.truth_inside ? ", and in part in it, as was asked for" : "", frames_, ending));
+  if (truth_) truth_->Finish(frames_, ending);
+  folder_.Name();
+}
+
+DatasetWriter::DatasetWriter(const DatasetFolders& folders, const Calibration& calibration,
+                             const DatasetWriterOptions& options)
+    : files_(std::make_unique<Files>(folders, calibration, options)) {}
+
+DatasetWriter::~DatasetWriter() = default;
+
+void DatasetWriter::Add(const Observation& observation, const std::optional<FrameTruthRecord>& truth) {
+  files_->Add(observation, truth);
+}
+
+void DatasetWriter::Finish(const std::string& ending) { files_->Finish(ending); }
+
+int64_t DatasetWriter::frames() const { return files_->frames(); }
+
+}  // namespace gaitcam
