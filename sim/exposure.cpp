@@ -1,5 +1,6 @@
 #include "sim/exposure.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -13,6 +14,24 @@ namespace {
 constexpr int kPointsAcross = 24;     // points followed per image row to find the fastest
 constexpr int kRollingBands = 16;     // bands of rows whose blur vectors share one interval
 constexpr int64_t kLookNs = 1000000;  // the motion is measured at least this often
+
+/// Principal axis and median length of the points' motions.
+void DescribeFlow(const std::vector<Eigen::Vector2d>& open, const std::vector<Eigen::Vector2d>& close,
+                  MotionProfile& motion) {
+  Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
+  std::vector<double> lengths;
+  for (size_t i = 0; i < open.size(); ++i) {
+    const Eigen::Vector2d moved = close[i] - open[i];
+    if (!moved.allFinite()) continue;
+    moments += moved * moved.transpose();
+    lengths.push_back(moved.norm());
+  }
+  if (lengths.empty()) return;
+  std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 2, lengths.end());
+  motion.typical_px = lengths[lengths.size() / 2];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(moments);
+  motion.axis = solver.eigenvectors().col(1);
+}
 
 }  // namespace
 
@@ -86,6 +105,7 @@ ExposingCamera::Middle ExposingCamera::SeeMiddle(Renderer& renderer, const Motio
 MotionProfile ExposingCamera::MeasureMotion(const MotionRecord& record, const ShutterInterval& shutter,
                                             const SeenPoints& points) {
   MotionProfile motion;
+  std::vector<Eigen::Vector2d> first;
   const int64_t duration = shutter.close_ns - shutter.open_ns;
   const int64_t looks = std::clamp<int64_t>((duration + kLookNs - 1) / kLookNs, 8, 256);
   std::vector<Eigen::Vector2d> before;
@@ -94,10 +114,12 @@ MotionProfile ExposingCamera::MeasureMotion(const MotionRecord& record, const Sh
     std::vector<Eigen::Vector2d> now = points.Project(lens_.camera(), At(record, stamp));
     double step = 0;
     for (size_t k = 0; k < before.size(); ++k) step = std::fmax(step, (now[k] - before[k]).norm());  // skips NaN
+    if (i == 0) first = now;
     motion.stamps_ns.push_back(stamp);
     motion.travel_px.push_back(i == 0 ? 0 : motion.travel_px.back() + step);
     before = std::move(now);
   }
+  DescribeFlow(first, before, motion);
   return motion;
 }
 
@@ -160,7 +182,7 @@ ExposedFrame ExposingCamera::Expose(Renderer& renderer, const MotionRecord& reco
     renderer.Update(*data_);
   }
   const ShutterInterval whole = WholeShutter(options_, stamp_ns);
-  if (measures && whole.close_ns > whole.open_ns) motion = MeasureMotion(record, whole, *middle->points);
+  if (middle && whole.close_ns > whole.open_ns) motion = MeasureMotion(record, whole, *middle->points);
   const ShutterPlan plan = PlanShutter(options_, stamp_ns, antialias_, motion);
 
   std::vector<SceneInstant> instants;

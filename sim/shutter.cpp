@@ -82,11 +82,21 @@ double LargestStep(const ShutterPlan& plan, const Progress& progress) {
   return largest;
 }
 
-void ShiftWithinPixels(ShutterPlan& plan) {
-  const std::vector<Eigen::Vector2d> shifts = PixelShifts(int(plan.size()));
+/// Motion along its axis smooths by itself; looking beside the pixels' centres that way would only add noise. Across
+/// it, four places in turn do, the same for any four neighbours. Where hardly anything moves, the places spread both
+/// ways.
+void ShiftWithinPixels(const MotionProfile& motion, ShutterPlan& plan) {
+  constexpr double kAcross[] = {-0.375, 0.375, 0.125, -0.125};
+  constexpr double kSmoothedBy_px = 2;  // motion that needs no help
+  const std::vector<Eigen::Vector2d> spread = PixelShifts(int(plan.size()));
+  const double help = std::max(0.0, 1 - motion.typical_px / kSmoothedBy_px);
+  const Eigen::Vector2d along = motion.axis, across(-along.y(), along.x());
   Eigen::Vector2d mean(0, 0);
-  for (size_t i = 0; i < plan.size(); ++i) mean += plan[i].weight * shifts[i];
-  for (size_t i = 0; i < plan.size(); ++i) plan[i].shift_px = shifts[i] - mean;
+  for (size_t i = 0; i < plan.size(); ++i) {
+    plan[i].shift_px = help * spread[i].x() * along + (plan.size() > 1 ? kAcross[i % 4] : 0) * across;
+    mean += plan[i].weight * plan[i].shift_px;
+  }
+  for (ShutterSlot& slot : plan) slot.shift_px -= mean;
 }
 
 }  // namespace
@@ -121,7 +131,7 @@ ShutterPlan PlanShutter(const ExposureOptions& options, int64_t stamp_ns, int an
       if (LargestStep(plan, progress) <= options.max_step_px) break;
     }
   }
-  ShiftWithinPixels(plan);
+  ShiftWithinPixels(motion, plan);
   return plan;
 }
 

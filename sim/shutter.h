@@ -33,19 +33,21 @@ ShutterInterval RowShutter(const ExposureOptions& options, int64_t stamp_ns, dou
 struct MotionProfile {
   std::vector<int64_t> stamps_ns;  ///< Increasing, from the whole shutter's opening to its close.
   std::vector<double> travel_px;   ///< Starts at 0, never decreases.
+  Eigen::Vector2d axis{1, 0};      ///< Unit vector along which most of the image moves.
+  double typical_px = 0;           ///< How far half of the image moves, from open to close.
 };
 
 struct ShutterSlot {
   int64_t open_ns = 0, close_ns = 0;
   int64_t stamp_ns = 0;            ///< The middle.
   double weight = 0;               ///< Part of the whole shutter's time; the weights add up to 1.
-  Eigen::Vector2d shift_px{0, 0};  ///< Where within the pixels to look; the weighted mean is zero.
+  Eigen::Vector2d shift_px{0, 0};  ///< How far beside the pixels' centres to look; of weighted mean zero.
 };
 
 using ShutterPlan = std::vector<ShutterSlot>;
 
 /// @param antialias the least number of slots unless options.fixed_subframes is set.
-/// @param motion may be empty if options.fixed_subframes is set: the slots are then equally long.
+/// @param motion may be empty if options.fixed_subframes is set; the slots are then equally long in any case.
 ShutterPlan PlanShutter(const ExposureOptions& options, int64_t stamp_ns, int antialias, const MotionProfile& motion);
 
 /// Weight of each slot in one row; adds up to 1. Equal to the slots' own weights for a global shutter.
