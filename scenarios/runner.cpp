@@ -7,7 +7,6 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/trajectory_file.h"
-#include "results/report.h"
 #include "results/video.h"
 #include "scenarios/output_folder.h"
 #include "scenarios/progress.h"
@@ -50,26 +49,6 @@ class Film {
   cv::Mat poster_;
 };
 
-std::string StatusText(RunEnd end) {
-  switch (end) {
-    case RunEnd::kFinished: return "finished";
-    case RunEnd::kFell: return "fell";
-    case RunEnd::kInterrupted: return "interrupted";
-  }
-  GAITCAM_ASSERT(false);
-  return {};
-}
-
-RunEnd EndOf(const Simulation& simulation) {
-  switch (simulation.status()) {
-    case SimulationStatus::kWalking: return RunEnd::kInterrupted;
-    case SimulationStatus::kFinished: return RunEnd::kFinished;
-    case SimulationStatus::kFell: return RunEnd::kFell;
-  }
-  GAITCAM_ASSERT(false);
-  return {};
-}
-
 std::string Subtitle(const ResolvedScenario& resolved) {
   const Scenario& s = resolved.scenario;
   const std::string gait = resolved.robot.kind == Robot::Kind::kHumanoid ? s.gait.preset + " gait, " : "";
@@ -96,6 +75,26 @@ std::string ScoresFile(const ReportInput& report, const Scores* scores, const Si
 }
 
 }  // namespace
+
+std::string StatusText(RunEnd end) {
+  switch (end) {
+    case RunEnd::kFinished: return "finished";
+    case RunEnd::kFell: return "fell";
+    case RunEnd::kInterrupted: return "interrupted";
+  }
+  GAITCAM_ASSERT(false);
+  return {};
+}
+
+RunEnd EndOf(const Simulation& simulation) {
+  switch (simulation.status()) {
+    case SimulationStatus::kWalking: return RunEnd::kInterrupted;
+    case SimulationStatus::kFinished: return RunEnd::kFinished;
+    case SimulationStatus::kFell: return RunEnd::kFell;
+  }
+  GAITCAM_ASSERT(false);
+  return {};
+}
 
 SimulationOptions SimulationOptionsOf(const Scenario& scenario) {
   SimulationOptions options;

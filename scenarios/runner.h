@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "results/report.h"
 #include "results/score.h"
 #include "scenarios/scenario.h"
 #include "sim/simulation.h"
@@ -33,6 +34,11 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
 
 /// What the simulator needs to know of a scenario.
 SimulationOptions SimulationOptionsOf(const Scenario& scenario);
+
+/// How a simulation ended, or that it was left while walking.
+RunEnd EndOf(const Simulation& simulation);
+/// "finished", "fell", "interrupted".
+std::string StatusText(RunEnd end);
 
 /// Asks the robot whether it can do what the scenario says, without running it. @throws BadInput naming the limit.
 void CheckPlan(const ResolvedScenario& resolved);

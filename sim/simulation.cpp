@@ -20,6 +20,11 @@ std::unique_ptr<Controller> MakeController(const Robot& robot, const mjModel* no
   return MakeWalker(robot, nominal, options.gait, options.path, options.physics, start);
 }
 
+Pose PoseFrom(const double* position, const double* matrix) {
+  const Eigen::Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix);
+  return {R, Eigen::Vector3d(position[0], position[1], position[2])};
+}
+
 double ExpectedTime(const Robot& robot, const SimulationOptions& options) {
   const double path_s = robot.kind == Robot::Kind::kOmniBase ? EstimateDrivingTime(options.drive, options.path)
                                                              : EstimateWalkingTime(options.gait, options.path);
@@ -44,7 +49,8 @@ Simulation::Simulation(const Robot& robot, const gaitcam::Place& place, const Si
       controller_(MakeController(robot, world_.nominal_model(), options, StartPose(place, options))),
       sensors_(world_, options.sensors, seed),
       renderer_(world_.model(), rig_.MakeRendererOptions()),
-      calibration_(rig_.MakeCalibration()) {
+      calibration_(rig_.MakeCalibration()),
+      middle_(mj_makeData(world_.model())) {
   if (robot.kind == Robot::Kind::kHumanoid) {
     world_.ScaleServos(options.gait.servo_stiffness, options.gait.neck_stiffness);
   }
@@ -99,6 +105,21 @@ bool Simulation::WalkUntil(int64_t stamp_ns) {
   return true;
 }
 
+/// What is true of the mechanism itself at mid-exposure, and of gait and contacts at the shutter's close.
+void Simulation::FillTruth(int64_t stamp_ns, FrameTruth& truth) {
+  const mjModel* model = world_.model();
+  world_.record().Evaluate(model, stamp_ns, middle_.get());
+  const int root = mj_name2id(model, mjOBJ_BODY, world_.robot().links[0].name.c_str());
+  const int imu = mj_name2id(model, mjOBJ_SITE, "imu");
+  GAITCAM_ASSERT(root >= 0 && imu >= 0);
+  truth.stamp_ns = stamp_ns;
+  truth.X_WB = PoseFrom(middle_->xpos + 3 * root, middle_->xmat + 9 * root);
+  truth.X_WI = PoseFrom(middle_->site_xpos + 3 * imu, middle_->site_xmat + 9 * imu);
+  truth.gait = controller_->gait();
+  truth.left_contact = world_.FootContact(0);
+  truth.right_contact = world_.FootContact(1);
+}
+
 std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
   if (status_ != SimulationStatus::kWalking) return std::nullopt;
   const int64_t stamp_ns = rig_.FrameStamp(frame_);
@@ -115,12 +136,8 @@ std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
   frame.observation.depth = std::move(exposed.depth);
   frame.observation.imu = sensors_.TakeImu();
   frame.observation.joints = std::exchange(joints_, {});
-  frame.truth.stamp_ns = stamp_ns;
   frame.truth.camera = std::move(exposed.left.truth);
-  frame.truth.X_WB = world_.X_WB();
-  frame.truth.gait = controller_->gait();
-  frame.truth.left_contact = world_.FootContact(0);
-  frame.truth.right_contact = world_.FootContact(1);
+  FillTruth(stamp_ns, frame.truth);
   return frame;
 }
 

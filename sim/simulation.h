@@ -33,7 +33,8 @@ struct SimulationOptions {
 struct FrameTruth {
   int64_t stamp_ns = 0;
   ExposureTruth camera;  ///< Of the left camera, or the only one.
-  Pose X_WB;             ///< The robot's root.
+  Pose X_WI;             ///< The IMU at mid-exposure.
+  Pose X_WB;             ///< The robot's root at mid-exposure.
   GaitState gait;
   bool left_contact = false, right_contact = false;
 };
@@ -78,6 +79,7 @@ class Simulation {
  private:
   bool WalkUntil(int64_t stamp_ns);
   void Control();
+  void FillTruth(int64_t stamp_ns, FrameTruth& truth);
   void End(SimulationStatus status);
 
   SimulationOptions options_;
@@ -88,6 +90,7 @@ class Simulation {
   SensorSuite sensors_;
   Renderer renderer_;
   Calibration calibration_;
+  MjDataPtr middle_;  ///< The mechanism at mid-exposure.
   int64_t frame_ = 0;
   SimulationStatus status_ = SimulationStatus::kWalking;
   double end_time_s_ = 0, distance_m_ = 0;
