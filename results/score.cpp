@@ -149,45 +149,48 @@ void AddAbsolute(const Scores& s, const ScoreOptions& options, Table& table) {
   if (options.also_align == "none" || options.also_align == "both") add(Alignment::kNone, "without alignment");
 }
 
+/// An interval of the relative error, as names (`1s`) and sentences ("1 s") have it.
+struct RelativeInterval {
+  RelativeOptions relative;
+  std::string suffix, words;
+};
+
+std::vector<RelativeInterval> IntervalsOf(const ScoreOptions& o) {
+  RelativeOptions frames{.delta = double(o.rpe_frames), .unit = DeltaUnit::kFrames};
+  RelativeOptions seconds{.delta = o.rpe_seconds, .unit = DeltaUnit::kSeconds};
+  RelativeOptions meters{.delta = o.rpe_meters, .unit = DeltaUnit::kMeters};
+  for (RelativeOptions* relative : {&frames, &seconds, &meters}) {
+    relative->all_pairs = o.rpe_pairs == "all";
+    relative->path_of_truth = o.rpe_path == "truth";
+  }
+  return {
+      {frames, fmt::format("{}f", o.rpe_frames), fmt::format("{} frame{}", o.rpe_frames, o.rpe_frames == 1 ? "" : "s")},
+      {seconds, fmt::format("{:g}s", o.rpe_seconds), fmt::format("{:g} s", o.rpe_seconds)},
+      {meters, fmt::format("{:g}m", o.rpe_meters), fmt::format("{:g} m of path", o.rpe_meters)}};
+}
+
 /// Root mean square and median of a relative error. Rotation does not depend on scale, so it stands once.
-void AddRelative(const Scores& s, const RelativeOptions& relative, const std::string& interval, Table& table) {
+void AddRelative(const Scores& s, const RelativeInterval& interval, Table& table) {
   const auto add = [&](const Similarity& X_WV, const std::string& name, const std::string& what, bool rotation) {
     std::vector<double> translations, rotations;
-    for (const RelativeError& e : RelativeErrors(Apply(X_WV, s.pairs), relative)) {
+    for (const RelativeError& e : RelativeErrors(Apply(X_WV, s.pairs), interval.relative)) {
       translations.push_back(e.translation_m);
       rotations.push_back(e.rotation_rad * kDegrees);
     }
+    const auto row = [&](const std::string& measure, double value, const std::string& unit,
+                         const std::string& meaning) {
+      table.Add(name + measure + "_" + unit + "_" + interval.suffix, value, unit, meaning, Better::kLower);
+    };
     const Statistics t = Summarize(translations), r = Summarize(rotations);
-    const std::string over =
-        " over " + interval.substr(0, interval.size() - 1) + " " +
-        std::map<char, std::string>{{'f', "frames"}, {'s', "s"}, {'m', "m of path"}}.at(interval.back());
-    table.Add(name + "_trans_rmse_m_" + interval, t.rmse, "m", "drift in position" + over + what + ", root mean square",
-              Better::kLower);
-    table.Add(name + "_trans_median_m_" + interval, t.median, "m", "drift in position" + over + what + ", median",
-              Better::kLower);
+    const std::string over = " over " + interval.words + what;
+    row("_trans_rmse", t.rmse, "m", "drift in position" + over + ", root mean square");
+    row("_trans_median", t.median, "m", "drift in position" + over + ", median");
     if (!rotation) return;
-    table.Add(name + "_rot_rmse_deg_" + interval, r.rmse, "deg", "drift in rotation" + over + ", root mean square",
-              Better::kLower);
-    table.Add(name + "_rot_median_deg_" + interval, r.median, "deg", "drift in rotation" + over + ", median",
-              Better::kLower);
+    row("_rot_rmse", r.rmse, "deg", "drift in rotation" + over + ", root mean square");
+    row("_rot_median", r.median, "deg", "drift in rotation" + over + ", median");
   };
   add(s.se3.X_WV, "rpe", "", true);
   add(s.sim3.X_WV, "rpe_sim3", ", scale corrected", false);
-}
-
-void AddAllRelative(const Scores& s, const ScoreOptions& o, Table& table) {
-  RelativeOptions relative;
-  relative.all_pairs = o.rpe_pairs == "all";
-  relative.path_of_truth = o.rpe_path == "truth";
-  relative.delta = o.rpe_frames;
-  relative.unit = DeltaUnit::kFrames;
-  AddRelative(s, relative, fmt::format("{}f", o.rpe_frames), table);
-  relative.delta = o.rpe_seconds;
-  relative.unit = DeltaUnit::kSeconds;
-  AddRelative(s, relative, fmt::format("{:g}s", o.rpe_seconds), table);
-  relative.delta = o.rpe_meters;
-  relative.unit = DeltaUnit::kMeters;
-  AddRelative(s, relative, fmt::format("{:g}m", o.rpe_meters), table);
 }
 
 void AddDriftScaleAndTurn(const Scores& s, Table& table) {
@@ -298,7 +301,7 @@ Scores ScoreEstimate(const Estimate& estimate, const Trajectory& truth, const st
   Table table(s.scores), timing(s.timing);
   AddCoverage(coverage, s.pairs, table);
   AddAbsolute(s, options, table);
-  AddAllRelative(s, options, table);
+  for (const RelativeInterval& interval : IntervalsOf(options)) AddRelative(s, interval, table);
   AddDriftScaleAndTurn(s, table);
   AddTiming(estimate, timing);
   AddRemarks(coverage, s);
