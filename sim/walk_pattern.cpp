@@ -101,8 +101,9 @@ void WalkPattern::PlaceFeet(int step, double phase) {
   targets_.load = {0.5, 0.5};
   targets_.gait = {};
   if (standing) {
-    if (step > 0) targets_.load[stance.side] = Mix(1, 0.5, std::clamp(phase / gait_.double_support_ratio, 0.0, 1.0));
-    targets_.load[other.side] = 1 - targets_.load[stance.side];
+    // The foot of the last step's stance gives half of the weight to the one that has just landed.
+    if (step > 0) targets_.load[other.side] = Mix(1, 0.5, std::clamp(phase / gait_.double_support_ratio, 0.0, 1.0));
+    targets_.load[stance.side] = 1 - targets_.load[other.side];
     return;
   }
 

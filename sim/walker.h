@@ -26,7 +26,7 @@ struct WalkerOptions {
   double pitch_gain = 0.3;       ///< The same for pitch.
   double pitch_rate_gain = 0.03;
   double leveling_gain = 0.5;       ///< How much of the trunk's tilt the swing foot's ankle takes back.
-  double dcm_gain = 0.5;            ///< Shift of the centre of mass per error of the divergent component.
+  double dcm_gain = 0.3;            ///< Shift of the centre of mass per error of the divergent component.
   double dcm_filter_s = 0.05;       ///< Low-pass of that shift.
   double dcm_limit_m = 0.02;        ///< Most of that shift.
   double feedforward = 1.0;        ///< Share of the known loads and speeds that is added to the servos' targets.

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "algorithms/core/random.h"
+#include "sim/sensors.h"
 #include "sim/walker.h"
 
 namespace gaitcam {
@@ -20,44 +20,6 @@ Place EmptyFloor() {
   place.floor_max = {100, 100};
   return place;
 }
-
-/// Readings of a consumer-grade IMU and of servo potentiometers.
-class Readings {
- public:
-  Readings(uint64_t seed, double noise) : random_(seed, "walk_trial"), noise_(noise) {
-    for (int i = 0; i < 3; ++i) gyro_bias_[i] = noise * random_.Normal(0, 0.01);
-    for (int i = 0; i < 3; ++i) accel_bias_[i] = noise * random_.Normal(0, 0.1);
-  }
-
-  ControlInput Read(const World& world, const PathOptions& path) {
-    ControlInput input;
-    input.stamp_ns = world.stamp_ns();
-    const auto sensor = [&](const char* name) {
-      const int id = mj_name2id(world.model(), mjOBJ_SENSOR, name);
-      return Eigen::Vector3d(
-          Eigen::Map<const Eigen::Vector3d>(world.data()->sensordata + world.model()->sensor_adr[id]));
-    };
-    input.imu.angular_rate = sensor("gyro") + gyro_bias_ + Noise(0.01);
-    input.imu.specific_force = sensor("accelerometer") + accel_bias_ + Noise(0.1);
-    input.joints.position = world.JointPositions();
-    for (double& q : input.joints.position) q += noise_ * random_.Normal(0, 0.001);
-    input.joints.left_contact = world.FootContact(0);
-    input.joints.right_contact = world.FootContact(1);
-    if (path.feedback == "truth") input.X_WB = world.X_WB();
-    return input;
-  }
-
- private:
-  Eigen::Vector3d Noise(double sigma) {
-    Eigen::Vector3d v;
-    for (int i = 0; i < 3; ++i) v[i] = noise_ * random_.Normal(0, sigma);
-    return v;
-  }
-
-  RandomStream random_;
-  double noise_;
-  Eigen::Vector3d gyro_bias_, accel_bias_;
-};
 
 /// What happened along the way.
 class Log {
@@ -123,17 +85,23 @@ WalkTrialResult RunWalkTrial(const Robot& robot, const GaitOptions& gait, const 
   world.ScaleServos(gait.servo_stiffness, gait.neck_stiffness);
   const auto walker = MakeWalker(robot, world.nominal_model(), gait, options.path, options.physics, {});
   world.Place(walker->InitialRoot(), walker->InitialJoints());
-  Readings readings(options.seed, options.sensor_noise);
+  SensorSuite sensors(world, options.sensors, options.seed);
   const Path path(options.path, {});
   WalkTrialResult result;
   Log log(path, result);
 
   while (!walker->Finished() && 1e-9 * double(world.stamp_ns()) < options.longest_s) {
     const double control_begin = Now();
-    world.SetTargets(walker->Update(readings.Read(world, options.path)));
+    ControlInput input{world.stamp_ns(), sensors.imu(), sensors.ReadJoints(world), {}};
+    if (options.path.feedback == "truth") input.X_WB = world.X_WB();
+    world.SetTargets(walker->Update(input));
     result.control_wall_s += Now() - control_begin;
     const int64_t until = world.stamp_ns() + world.control_period_ns();
-    while (world.stamp_ns() < until) world.Step();
+    while (world.stamp_ns() < until) {
+      world.Step();
+      sensors.Step(world);
+    }
+    sensors.TakeImu();
     world.record().DropBefore(world.stamp_ns());
     log.AtTick(world, walker->gait());
     if (world.HasFallen()) {

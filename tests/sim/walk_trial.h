@@ -8,6 +8,7 @@
 
 #include "models/robot.h"
 #include "sim/path.h"
+#include "sim/sensors.h"
 #include "sim/world.h"
 
 namespace gaitcam {
@@ -18,7 +19,7 @@ struct WalkTrialOptions {
   PathOptions path;
   PhysicsOptions physics;
   uint64_t seed = 1;
-  double sensor_noise = 1.0;  ///< Factor on the noise of IMU and encoders.
+  SensorOptions sensors;
   double longest_s = 1000.0;  ///< Give up after this time.
 };
 
