@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -107,6 +108,11 @@ class MjcfWriter {
     WriteFloor();
     for (size_t i = 0; i < place_.boxes.size(); ++i) WriteBox(int(i));
     for (const PlaceLight& light : place_.lights) WriteLight(light);
+    int group = 0;
+    for (const auto& [where, geoms] : neighbours_) {
+      bodies_ += fmt::format("<body name='boxes{}'>\n{}</body>\n", group++, geoms);
+    }
+    bodies_ += "<body name='scenery'>\n" + scenery_ + "</body>\n";
     WriteBody(0);
     WriteActuators();
     bundle_.xml = fmt::format(
@@ -177,27 +183,42 @@ class MjcfWriter {
     mesh.AddFace({place_.floor_min.x(), place_.floor_max.y(), -depth}, size.x() * Eigen::Vector3d::UnitX(),
                  -size.y() * Eigen::Vector3d::UnitY(), size);
     assets_ += mesh.ToXml("floor");
-    bodies_ += fmt::format("<geom name='floor_picture' type='mesh' mesh='floor' material='{}' group='0' {}/>\n",
-                           TextureMaterial(place_.floor_texture), kNoCollision);
+    scenery_ += fmt::format("<geom name='floor_picture' type='mesh' mesh='floor' material='{}' group='0' {}/>\n",
+                            TextureMaterial(place_.floor_texture), kNoCollision);
   }
 
+  /// MuJoCo pairs every shape of the world itself with every shape of the robot, but sorts bodies by their extent
+  /// before it pairs theirs, at a cost that grows with the square of their number. So boxes that collide become a few
+  /// bodies of neighbours, and all that is only seen is in the body `scenery`.
   void WriteBox(int index) {
     const PlaceBox& box = place_.boxes[index];
     const bool textured = box.texture >= 0;
     if (!textured || box.collides) {
-      bodies_ += fmt::format(
-          "<geom name='box{}' type='box' {} size='{}' material='matte' rgba='{} 1' "
-          "friction='{} 0.005 0.0001' priority='1' group='{}' {}/>\n",
-          index, PoseText(box.X_WB), Text(Eigen::Vector3d(0.5 * box.size)), Text(box.rgb), place_.floor_friction,
+      const std::string name = fmt::format("box{}", index);
+      const std::string geom = fmt::format(
+          "<geom name='{}' type='box' {} size='{}' material='matte' rgba='{} 1' friction='{} 0.005 0.0001' "
+          "priority='1' group='{}' {}/>",
+          name, PoseText(box.X_WB), Text(Eigen::Vector3d(0.5 * box.size)), Text(box.rgb), place_.floor_friction,
           textured ? 3 : 0, box.collides ? kPlaceCollides : kNoCollision);
+      (box.collides ? neighbours_[Neighbourhood(box, index)] : scenery_) += geom + "\n";
     }
     if (!textured) return;
     TexturedMesh mesh;
     mesh.AddBox(box.size, box.texture_size_m);
     const std::string name = fmt::format("box{}_picture", index);
     assets_ += mesh.ToXml(name);
-    bodies_ += fmt::format("<geom name='{0}' type='mesh' mesh='{0}' {1} material='{2}' group='0' {3}/>\n", name,
-                           PoseText(box.X_WB), TextureMaterial(box.texture), kNoCollision);
+    scenery_ += fmt::format("<geom name='{0}' type='mesh' mesh='{0}' {1} material='{2}' group='0' {3}/>\n", name,
+                            PoseText(box.X_WB), TextureMaterial(box.texture), kNoCollision);
+  }
+
+  /// Boxes whose centres are in the same square of 2 m; a large box is alone, or else it would stretch its group's
+  /// extent.
+  static std::array<int, 3> Neighbourhood(const PlaceBox& box, int index) {
+    const double side_m = 2;
+    const Eigen::Vector3d extent = box.X_WB.R().cwiseAbs() * box.size;
+    if (extent.head<2>().maxCoeff() > side_m) return {0, 0, index + 1};
+    const Eigen::Vector3d& p = box.X_WB.translation;
+    return {int(std::floor(p.x() / side_m)), int(std::floor(p.y() / side_m)), 0};
   }
 
   void WriteLight(const PlaceLight& light) {
@@ -350,7 +371,8 @@ class MjcfWriter {
   const PhysicsOptions& physics_;
   const std::vector<WorldCamera>& cameras_;
   MjcfBundle bundle_;
-  std::string assets_, bodies_, actuators_;
+  std::string assets_, bodies_, scenery_, actuators_;
+  std::map<std::array<int, 3>, std::string> neighbours_;
   std::set<int> written_textures_;
   std::map<std::string, std::string> mesh_names_;
 };

@@ -42,6 +42,9 @@ int Id(const mjModel* model, mjtObj kind, const std::string& name) {
   return id;
 }
 
+/// Whether a shape belongs to the place: to the world, or to a body that is fixed to it.
+bool IsOfPlace(const mjModel* model, int geom) { return model->body_weldid[model->geom_bodyid[geom]] == 0; }
+
 }  // namespace
 
 MjModelPtr CompileMjcf(const MjcfBundle& bundle, const std::string& name) {
@@ -113,7 +116,7 @@ void World::Perturb(const PhysicsOptions& physics, uint64_t seed) {
   }
   const double factor = 1 + physics.friction_noise_ratio * friction.Uniform(-1, 1);
   for (int geom = 0; geom < m->ngeom; ++geom) {
-    if (m->geom_bodyid[geom] == 0) m->geom_friction[3 * geom] *= factor;
+    if (IsOfPlace(m, geom)) m->geom_friction[3 * geom] *= factor;
   }
   mj_setConst(m, data_.get());
 }
@@ -209,7 +212,7 @@ void World::ReadContacts() {
     if (contact.efc_address < 0) continue;
     double force[6];
     mj_contactForce(m, d, i, force);
-    const int on_place = m->geom_bodyid[contact.geom1] == 0 ? contact.geom1 : contact.geom2;
+    const int on_place = IsOfPlace(m, contact.geom1) ? contact.geom1 : contact.geom2;
     const int body = m->geom_bodyid[on_place == contact.geom1 ? contact.geom2 : contact.geom1];
     if (body == foot_body_[0]) {
       foot_force_[0] += force[0];
