@@ -126,12 +126,12 @@ cv::Mat MakePlanks(const TextureOptions& o, cv::Size size, RandomStream& random)
 cv::Mat MakeConcrete(const TextureOptions& o, cv::Size size, RandomStream& random) {
   constexpr int kCoarsest = 128;  // px
   cv::Mat field = FractalNoise(size, kCoarsest, 1, 0.85, random);
-  field = 1 + 0.08 * o.contrast * field;
+  field = 1 + 0.1 * o.contrast * field;
   cv::Mat bgr = Tint(field, o.rgb);
   Wear wear(size);
   const double area = o.size_m.prod(), px = o.px_per_m;
-  wear.AddSpots(int(150 * area), std::max(0.8, 0.001 * px), 0.008 * px, 0.5 * o.contrast, random);
-  wear.AddSpots(int(6 * area), 0.01 * px, 0.05 * px, 0.15 * o.contrast, random);
+  wear.AddSpots(int(300 * area), std::max(0.8, 0.0015 * px), 0.012 * px, 0.5 * o.contrast, random);
+  wear.AddSpots(int(14 * area), 0.01 * px, 0.05 * px, 0.2 * o.contrast, random);
   wear.AddScratches(int(2 * area), 0.1 * px, 0.7 * px, 0.3 * o.contrast, random);
   wear.AddCracks(int(0.5 * area) + 1, 1.2 * px, 0.5 * o.contrast, random);
   wear.ApplyTo(bgr);
@@ -178,7 +178,7 @@ void PaintTile(const Tile& tile, const cv::Mat& cloud, const cv::Mat& veins, cv:
       const float vein = line < 0.06f ? 0.25f * (line / 0.06f - 1) : 0.0f;
       const bool light_edge = x == 0 || y == 0, dark_edge = x == tile.area.width - 1 || y == tile.area.height - 1;
       const float bevel = light_edge ? 0.06f : dark_edge ? -0.08f : 0.0f;
-      out[x] = 0.06f * tile.tone + 0.05f * cloud.at<float>(v, u) + vein + bevel;
+      out[x] = 0.06f * tile.tone + 0.065f * cloud.at<float>(v, u) + vein + bevel;
     }
   }
 }
@@ -196,7 +196,7 @@ cv::Mat MakeTiles(const TextureOptions& o, cv::Size size, RandomStream& random) 
   cv::Mat bgr = Tint(field, o.rgb);
   Wear wear(size);
   const double area = o.size_m.prod(), px = o.px_per_m;
-  wear.AddSpots(int(40 * area), std::max(0.8, 0.001 * px), 0.01 * px, 0.4 * o.contrast, random);
+  wear.AddSpots(int(90 * area), std::max(0.8, 0.0015 * px), 0.01 * px, 0.4 * o.contrast, random);
   wear.AddScratches(int(3 * area), 0.03 * px, 0.2 * px, 0.25 * o.contrast, random);
   wear.ApplyTo(bgr);
   return bgr;

@@ -162,7 +162,7 @@ cv::Mat MakeNoticeBoard(const TextureOptions& o, cv::Size size, RandomStream& ra
     const int w = int(px * (large ? 0.21 : random.Uniform(0.08, 0.15))), h = int(w * random.Uniform(0.7, 1.42));
     const int x = int(random.Uniform(0.02, 0.95) * (size.width - w)),
               y = int(random.Uniform(0.02, 0.95) * (size.height - h));
-    if (x < 0 || y < 0 || w < 12 || h < 12) continue;
+    if (w < 12 || h < 12 || w > size.width || h > size.height) continue;
     cv::Mat shadow = bgr(cv::Rect(x + 1, y + 1, w, h) & cv::Rect({0, 0}, size)), sheet = bgr(cv::Rect(x, y, w, h));
     shadow *= 0.6;
     if (random.Uniform() < 0.4) {

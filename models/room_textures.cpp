@@ -86,7 +86,7 @@ cv::Mat MakeBooks(const TextureOptions& o, cv::Size size, RandomStream& random) 
       const int at = spine.y + int(spine.height * random.Uniform(0.05, 0.92));
       cv::rectangle(bgr, {spine.x, at, spine.width, std::max(1, int(0.006 * px))}, print, cv::FILLED);
     }
-    if (spine.width >= 7) {  // the title runs along the spine
+    if (spine.width >= 7 && spine.height >= 2 * spine.width) {  // the title runs along the spine
       const int letter = std::max(3, spine.width * 2 / 5), length = int(spine.height * random.Uniform(0.35, 0.6));
       cv::Mat title(letter, length, CV_8UC3, cover), turned;
       DrawWords(title, {0, 0, length, letter}, letter, print, random);
@@ -144,7 +144,7 @@ cv::Mat MakeCeiling(const TextureOptions& o, cv::Size size, RandomStream& random
     for (int i = 0; i < columns; ++i) {
       const cv::Point from(i * size.width / columns, j * size.height / rows);
       const cv::Rect panel(from, cv::Point((i + 1) * size.width / columns, (j + 1) * size.height / rows));
-      if (i % 3 == 1 && j % 3 == 1) bgr(panel).setTo(cv::Scalar(252, 254, 254));  // a lamp
+      if (i % 3 == 1 && j % 3 == 1) bgr(panel).setTo(cv::Scalar(249, 251, 251));  // a lamp
       cv::rectangle(bgr, {from.x, from.y, panel.width, rail}, Bgr(0.72 * o.rgb), cv::FILLED);
       cv::rectangle(bgr, {from.x, from.y, rail, panel.height}, Bgr(0.78 * o.rgb), cv::FILLED);
     }
