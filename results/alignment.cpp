@@ -67,7 +67,7 @@ void AlignRotation(const Moments& moments, bool with_scale, AlignmentResult& res
     return;
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(moments.covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d d = svd.singularValues();
+  const Eigen::Vector3d& d = svd.singularValues();
   result.rank = int((d.array() > kMinSingularRatio * d(0)).count());
   // Equations 39, 40 and 43: the last direction is mirrored where U V^T would not be a rotation.
   const Eigen::Vector3d s(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1);

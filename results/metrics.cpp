@@ -169,18 +169,21 @@ Statistics Summarize(std::vector<double> values) {
 
 std::vector<double> PositionErrors(const std::vector<PosePair>& pairs) {
   std::vector<double> errors;
+  errors.reserve(pairs.size());
   for (const PosePair& p : pairs) errors.push_back((p.estimate.translation - p.truth.translation).norm());
   return errors;
 }
 
 std::vector<double> RotationErrors(const std::vector<PosePair>& pairs) {
   std::vector<double> errors;
+  errors.reserve(pairs.size());
   for (const PosePair& p : pairs) errors.push_back(RotationAngle(p.estimate.rotation, p.truth.rotation));
   return errors;
 }
 
 std::vector<double> FullErrors(const std::vector<PosePair>& pairs) {
   std::vector<double> errors;
+  errors.reserve(pairs.size());
   for (const PosePair& p : pairs) {
     errors.push_back(((p.estimate.Inverse() * p.truth).Matrix() - Eigen::Matrix4d::Identity()).norm());
   }

@@ -321,6 +321,7 @@ std::string Card(const std::string& name, double value, const std::string& unit,
 
 double MedianBlur(const std::vector<ReportFrame>& frames) {
   std::vector<double> blur;
+  blur.reserve(frames.size());
   for (const ReportFrame& f : frames) blur.push_back(f.blur_median_px);
   return blur.empty() ? kNaN : Quantile(blur, 0.5);
 }
@@ -364,8 +365,8 @@ std::string Film(const ReportInput& input) {
 
 struct KeyEntry {
   std::string colour, text;
-  std::string kind = "";    ///< "dashed" or "area" as it looks in the chart.
-  std::string series = "";  ///< Label of the series that a click hides and shows; "" for none.
+  std::string kind = {};    ///< "dashed" or "area" as it looks in the chart.
+  std::string series = {};  ///< Label of the series that a click hides and shows; "" for none.
 };
 
 std::string Key(const std::vector<KeyEntry>& entries, const std::string& charts) {

@@ -31,7 +31,7 @@ struct ScoreOptions {
   double rpe_meters = 1.0;          ///< Interval along the path, m.
   std::string rpe_pairs = "all";    ///< "all": every pose starts an interval; "consecutive": one after the other.
   std::string rpe_path = "truth";   ///< Whose path the metres are measured along; evo takes "estimate".
-  std::string also_align = "";      ///< Further alignments of the absolute error: "none", "yaw", "both" or "".
+  std::string also_align;           ///< Further alignments of the absolute error: "none", "yaw", "both" or "".
 };
 
 template <class Visitor>

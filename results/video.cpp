@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <system_error>
@@ -23,7 +24,7 @@ cv::Mat Fit(const cv::Mat& view, int height_px) {
   } else {
     colour = view;
   }
-  const int width_px = Even(int(double(view.cols) * height_px / view.rows + 0.5));
+  const int width_px = Even(int(std::lround(double(view.cols) * height_px / view.rows)));
   cv::resize(colour, fitted, {width_px, height_px}, 0, 0, height_px < view.rows ? cv::INTER_AREA : cv::INTER_CUBIC);
   return fitted;
 }

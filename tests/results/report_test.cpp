@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgproc.hpp>
-#include <regex>
 #include <sstream>
 
 #include "algorithms/core/errors.h"
@@ -163,8 +162,10 @@ Browsed Browse(const fs::path& page, const std::string& more = "") {
 }
 
 std::string Attribute(const std::string& dom, const std::string& name) {
-  std::smatch match;
-  return std::regex_search(dom, match, std::regex(name + "=\"([^\"]*)\"")) ? match[1].str() : "absent";
+  const size_t at = dom.find(" " + name + "=\"");
+  if (at == std::string::npos) return "absent";
+  const size_t begin = at + name.size() + 3;
+  return dom.substr(begin, dom.find('"', begin) - begin);
 }
 
 /// A developer who wants to look sets GAITCAM_KEEP_REPORT to a folder.
