@@ -1,0 +1,147 @@
+// Whole runs through the program itself: real physics, real rendering, real files.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/scenarios/program.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// Four seconds of a walk past the lab's posters: enough for a start of the odometry and a dozen steps.
+const char* const kWalk = R"(
+duration_s: 4
+path: {kind: circle, diameter_m: 4}
+camera: {exposure_ms: 6, rate_hz: 15}
+score: {min_coverage_ratio: 0}
+)";
+
+nlohmann::json ScoresWithoutTiming(const fs::path& run) {
+  nlohmann::json scores = nlohmann::json::parse(ReadAll(run / "scores.json"));
+  EXPECT_TRUE(scores.contains("timing"));
+  scores.erase("timing");
+  return scores;
+}
+
+class RunTest : public testing::Test {
+ protected:
+  void SetUp() override { std::ofstream(temporary_.path() / "walk.yaml") << kWalk; }
+  ProgramResult Run(const std::string& arguments) { return RunProgram(arguments, temporary_.path()); }
+  fs::path File(const std::string& name) const { return temporary_.path() / name; }
+
+  const TemporaryFolder temporary_;
+};
+
+TEST_F(RunTest, LeavesEstimateTruthScoresFilmAndReport) {
+  const ProgramResult result = Run("run walk.yaml --out run");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("ate_sim3_rmse_m"));
+  EXPECT_THAT(result.out, HasSubstr("run/report.html"));
+  for (const char* name :
+       {"estimate.txt", "truth.txt", "scores.json", "scenario.yaml", "frames.csv", "walk.mp4", "report.html"}) {
+    EXPECT_TRUE(fs::exists(File("run") / name)) << name;
+  }
+  const nlohmann::json scores = ScoresWithoutTiming(File("run"));
+  EXPECT_EQ(scores["run"]["status"], "finished");
+  EXPECT_EQ(scores["run"]["frames"], 60);
+  // It stands for a second, then walks at some 0.1 m/s.
+  EXPECT_GT(scores["run"]["distance_m"], 0.1);
+}
+
+TEST_F(RunTest, TheSameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
+  ASSERT_EQ(Run("run walk.yaml --out a -q").exit_code, 0);
+  ASSERT_EQ(Run("run walk.yaml --out b -q").exit_code, 0);
+  for (const char* name : {"estimate.txt", "truth.txt", "scenario.yaml", "frames.csv"}) {
+    EXPECT_EQ(ReadAll(File("a") / name), ReadAll(File("b") / name)) << name;
+  }
+  EXPECT_EQ(ScoresWithoutTiming(File("a")), ScoresWithoutTiming(File("b")));
+  ASSERT_EQ(Run("run walk.yaml --out c -q --seed 2").exit_code, 0);
+  EXPECT_NE(ReadAll(File("a/estimate.txt")), ReadAll(File("c/estimate.txt")));
+}
+
+TEST_F(RunTest, TheResolvedScenarioGivesTheSameRun) {
+  ASSERT_EQ(Run("run walk.yaml --out a -q --set gait.lift_m=0.018").exit_code, 0);
+  const ProgramResult again = Run("run a/scenario.yaml --out b -q");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(ReadAll(File("a/estimate.txt")), ReadAll(File("b/estimate.txt")));
+  EXPECT_EQ(ReadAll(File("a/scenario.yaml")), ReadAll(File("b/scenario.yaml")));
+}
+
+TEST_F(RunTest, TheSameFramesFromMemoryAndFromDiskGiveTheSameEstimateToTheBit) {
+  ASSERT_EQ(Run("run walk.yaml --out run -q").exit_code, 0);
+  for (const std::string format : {"tum", "euroc"}) {
+    const ProgramResult record = Run("record walk.yaml -q --format " + format + " --out " + format);
+    ASSERT_EQ(record.exit_code, 0) << record.err;
+    const ProgramResult track = Run("track " + format + "/walk -q --out " + format + ".txt");
+    ASSERT_EQ(track.exit_code, 0) << track.err;
+    EXPECT_EQ(ReadAll(File("run/estimate.txt")), ReadAll(File(format + ".txt"))) << format;
+  }
+}
+
+TEST_F(RunTest, TruthLiesBesideTheFolderThatASystemGets) {
+  ASSERT_EQ(Run("record walk.yaml -q --set duration_s=1 --out data").exit_code, 0);
+  EXPECT_TRUE(fs::exists(File("data/walk-truth/groundtruth.txt")));
+  for (const auto& entry : fs::recursive_directory_iterator(File("data/walk"))) {
+    EXPECT_EQ(entry.path().filename().string().find("truth"), std::string::npos) << entry.path();
+  }
+}
+
+TEST_F(RunTest, AFallIsSaidAloudAndWhatWasFilmedIsKept) {
+  // Servos at a twentieth of their stiffness cannot carry the robot.
+  const ProgramResult result = Run("run walk.yaml --out run --set gait.servo_stiffness=0.05");
+  ASSERT_TRUE(fs::exists(File("run/scores.json"))) << result.err;
+  const nlohmann::json scores = ScoresWithoutTiming(File("run"));
+  EXPECT_EQ(scores["run"]["status"], "fell");
+  EXPECT_GT(scores["run"]["end_time_s"], 0);
+  EXPECT_LT(scores["run"]["end_time_s"], 4);
+  EXPECT_THAT(ReadAll(File("run/report.html")), HasSubstr("fell"));
+  // Too little was covered for a score in so short a time: never a pass.
+  EXPECT_EQ(result.exit_code, 3) << result.out << result.err;
+}
+
+TEST_F(RunTest, TooLittleCoverageIsExitCodeThreeAndNotAGoodScore) {
+  const ProgramResult result =
+      Run("run walk.yaml --out run --set system.name=sift_vo --set system.min_start_points=5000");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("report.html"));
+  EXPECT_TRUE(ScoresWithoutTiming(File("run"))["run"].contains("not_scored"));
+}
+
+TEST_F(RunTest, ScoreOfARunsOwnFilesAgreesWithTheRun) {
+  ASSERT_EQ(Run("run walk.yaml --out run -q").exit_code, 0);
+  const ProgramResult result = Run("score run/estimate.txt run/truth.txt --json --set min_coverage_ratio=0");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json by_files = nlohmann::json::parse(result.out), by_run = ScoresWithoutTiming(File("run"));
+  for (const char* name : {"ate_rmse_m", "ate_sim3_rmse_m", "rpe_trans_rmse_m_1s"}) {
+    EXPECT_EQ(by_files["scores"][name], by_run["scores"][name]) << name;
+  }
+}
+
+TEST_F(RunTest, ListAndDoctorAnswer) {
+  const ProgramResult list = Run("list");
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  for (const char* name : {"khr1hv", "robovie_m", "nimbro", "omni_base", "lab", "corridor", "hall", "tabletop", "plain",
+                           "robocup_field", "sift_vo", "brisk"}) {
+    EXPECT_THAT(list.out, HasSubstr(name));
+  }
+  const ProgramResult doctor = Run("doctor --json");
+  EXPECT_EQ(doctor.exit_code, 0) << doctor.out;
+  EXPECT_TRUE(nlohmann::json::parse(doctor.out).contains("MuJoCo"));
+}
+
+TEST_F(RunTest, EveryShippedScenarioIsValid) {
+  for (const auto& entry : fs::directory_iterator(fs::path(GAITCAM_SOURCE_DIR) / "scenarios")) {
+    if (entry.path().extension() != ".yaml") continue;
+    EXPECT_EQ(Run("validate " + entry.path().string()).exit_code, 0) << entry.path();
+  }
+}
+
+}  // namespace
+}  // namespace gaitcam
