@@ -129,6 +129,11 @@ AlignmentResult Align(const std::vector<PosePair>& pairs, Alignment alignment) {
   return result;
 }
 
+Eigen::Quaterniond AlignOrientations(const std::vector<PosePair>& pairs) {
+  GAITCAM_ASSERT(!pairs.empty());
+  return Eigen::Quaterniond(NearestRotation(Moments(pairs).rotation_sum)).normalized();
+}
+
 std::vector<PosePair> Apply(const Similarity& X_WV, std::vector<PosePair> pairs) {
   for (PosePair& p : pairs) p.estimate = X_WV * p.estimate;
   return pairs;

@@ -49,6 +49,11 @@ struct AlignmentResult {
 /// @pre at least one pair.
 AlignmentResult Align(const std::vector<PosePair>& pairs, Alignment alignment);
 
+/// The rotation R_WV that fits the orientations best: it minimises sum |R_truth - R R_estimate|^2 (the chordal mean of
+/// R. Hartley et al., "Rotation averaging", IJCV 2013). Positions have no say in it.
+/// @pre at least one pair.
+Eigen::Quaterniond AlignOrientations(const std::vector<PosePair>& pairs);
+
 /// The pairs with their estimates mapped.
 std::vector<PosePair> Apply(const Similarity& X_WV, std::vector<PosePair> pairs);
 

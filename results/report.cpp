@@ -152,20 +152,23 @@ Json ErrorsJson(const Scores& scores, const Clock& clock) {
   Trajectory stamps;
   for (const PosePair& p : pairs) stamps.push_back({p.stamp_ns, p.truth});
   const double longest = 2.5 * UsualInterval(stamps);
-  Json t = Json::array(), se3 = Json::array(), sim3 = Json::array(), rot = Json::array();
+  Json t = Json::array(), se3 = Json::array(), sim3 = Json::array(), rot = Json::array(), own = Json::array();
   for (size_t i = 0; i < pairs.size(); ++i) {
     if (i > 0 && double(pairs[i].stamp_ns - pairs[i - 1].stamp_ns) * 1e-9 > longest) {
       t.push_back(Rounded(clock.Seconds(pairs[i].stamp_ns)));
-      for (Json* column : {&se3, &sim3, &rot}) column->push_back(nullptr);
+      for (Json* column : {&se3, &sim3, &rot, &own}) column->push_back(nullptr);
     }
     t.push_back(Rounded(clock.Seconds(pairs[i].stamp_ns)));
     se3.push_back(Rounded(scores.error_se3_m[i]));
     sim3.push_back(Rounded(scores.error_sim3_m[i]));
     rot.push_back(Rounded(scores.error_rot_deg[i]));
+    own.push_back(Rounded(scores.error_rot_own_deg[i]));
   }
   // Errors in a foreign scale would press those in the true one flat on the axis: left to a click.
   const bool hide_se3 = scores.Value("ate_rmse_m") > 4 * scores.Value("ate_sim3_rmse_m");
-  return {{"t", t}, {"se3", se3}, {"sim3", sim3}, {"rot", rot}, {"hide_se3", hide_se3}};
+  const bool hide_rot = scores.Value("ate_rot_rmse_deg") > 4 * scores.Value("ate_rot_own_rmse_deg");
+  return {{"t", t},     {"se3", se3},           {"sim3", sim3},        {"rot", rot},
+          {"own", own}, {"hide_se3", hide_se3}, {"hide_rot", hide_rot}};
 }
 
 Json HeadingJson(const Scores& scores, const Clock& clock) {
@@ -335,7 +338,8 @@ std::string Cards(const ReportInput& input) {
     html += Card("Position error, SE(3)", s.Value("ate_rmse_m"), "m",
                  fmt::format("with the estimate's own scale: {} of the true one", Short(s.Value("scale_ratio"))));
     html += Card("Drift", s.Value("drift_sim3_pct"), "%", "of the distance gone, scale corrected");
-    html += Card("Rotation error", s.Value("ate_rot_rmse_deg"), "\u00b0", "root mean square after alignment");
+    html += Card("Rotation error", s.Value("ate_rot_own_rmse_deg"), "\u00b0",
+                 "root mean square after the best-fitting rotation");
     html += Card(
         "Coverage", 100 * s.Value("coverage_ratio"), "%",
         fmt::format("{} of {} frames have a pose", ScoreText(s.Value("tracked_frames")), ScoreText(s.Value("frames"))));
@@ -437,7 +441,10 @@ std::string OverTime(const ReportInput& input) {
                   with_shades({{"sim3", "after Sim(3) alignment", "", "sim3"},
                                {"se3", "after SE(3) alignment", "dashed", "se3"}}),
                   230);
-    html += Panel("rotation", "Rotation error", with_shades({{"purple", "after alignment"}}), 180);
+    html += Panel("rotation", "Rotation error",
+                  with_shades({{"purple", "after the rotation that fits orientations best", "", "own"},
+                               {"se3", "after alignment of positions", "dashed", "rot"}}),
+                  180);
   }
   if (!input.frames.empty()) {
     html += Panel("blur", "Motion blur: how far image points move during the exposure",

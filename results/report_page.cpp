@@ -212,7 +212,8 @@ function equalAspect(chart, box) {
   }
 }
 
-const hidden = {se3: !!(data.error && data.error.hide_se3)};  // by the reader, or because it would dwarf the rest
+// By the reader, or because they would dwarf the rest.
+const hidden = {se3: !!(data.error && data.error.hide_se3), rot: !!(data.error && data.error.hide_rot)};
 
 // The part of the world that a path chart shows: the truth, and the estimates as far as they do not dwarf it.
 function pathBox(h, v) {
@@ -259,7 +260,9 @@ const drawers = {
   error: canvas => overTime(canvas, [
     line('sim3', 'Sim(3)', 'sim3', xy(data.error.t, data.error.sim3)),
     line('se3', 'SE(3)', 'se3', xy(data.error.t, data.error.se3), {borderDash: [5, 4]})], 'position error, m', 'm'),
-  rotation: canvas => overTime(canvas, [line('rotation', 'rotation', 'purple', xy(data.error.t, data.error.rot))], 'rotation error, °', '°'),
+  rotation: canvas => overTime(canvas, [
+    line('own', 'best rotation', 'purple', xy(data.error.t, data.error.own)),
+    line('rot', 'aligned positions', 'se3', xy(data.error.t, data.error.rot), {borderDash: [5, 4]})], 'rotation error, °', '°'),
   heading: canvas => overTime(canvas, [
     line('estimate', 'estimate', 'sim3', xy(data.heading.t, data.heading.estimate)),
     line('truth', 'truth', 'truth', xy(data.heading.t, data.heading.truth), {borderWidth: 3.2, order: 9})], 'turned left, °', '°', {beginAtZero: false}),

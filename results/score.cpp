@@ -137,7 +137,9 @@ void AddCoverage(const Coverage& c, const std::vector<PosePair>& pairs, Table& t
 void AddAbsolute(const Scores& s, const ScoreOptions& options, Table& table) {
   table.AddStatistics("ate", s.error_se3_m, "m", "position error after SE(3) alignment");
   table.AddStatistics("ate_sim3", s.error_sim3_m, "m", "position error after Sim(3) alignment");
-  table.AddStatistics("ate_rot", s.error_rot_deg, "deg", "rotation error after alignment");
+  table.AddStatistics("ate_rot", s.error_rot_deg, "deg", "rotation error after SE(3) alignment");
+  table.AddStatistics("ate_rot_own", s.error_rot_own_deg, "deg",
+                      "rotation error after the rotation that fits orientations best");
   const auto add = [&](Alignment alignment, const std::string& what) {
     const std::vector<PosePair> aligned = Apply(Align(s.pairs, alignment).X_WV, s.pairs);
     const std::string name = "ate_" + ToString(alignment);
@@ -239,6 +241,13 @@ void AddRemarks(const Coverage& coverage, Scores& s) {
                                     coverage.restarts, coverage.restarts == 1 ? "" : "s"));
   }
   if (const std::string remark = s.sim3.Remark(); !remark.empty()) s.remarks.push_back("alignment: " + remark);
+  const double apart_deg = kDegrees * RotationAngle(s.se3.X_WV.rotation, AlignOrientations(s.pairs));
+  if (apart_deg > 30) {
+    s.remarks.push_back(fmt::format(
+        "alignment by positions turns the estimate {:.0f} deg away from what its orientations say; the path is too "
+        "straight or too wrong to settle it, so read ate_rot_own rather than ate_rot",
+        apart_deg));
+  }
 }
 
 nlohmann::ordered_json JsonOf(const std::vector<Score>& scores) {
@@ -296,6 +305,9 @@ Scores ScoreEstimate(const Estimate& estimate, const Trajectory& truth, const st
   const std::vector<PosePair> se3_pairs = Apply(s.se3.X_WV, s.pairs);
   s.error_se3_m = PositionErrors(se3_pairs);
   s.error_rot_deg = InDegrees(RotationErrors(se3_pairs));
+  Similarity own;
+  own.rotation = AlignOrientations(s.pairs);
+  s.error_rot_own_deg = InDegrees(RotationErrors(Apply(own, s.pairs)));
   s.error_sim3_m = PositionErrors(Apply(s.sim3.X_WV, s.pairs));
 
   Table table(s.scores), timing(s.timing);

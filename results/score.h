@@ -68,6 +68,7 @@ struct Scores {
   AlignmentResult se3, sim3;
   Trajectory aligned_se3, aligned_sim3;  ///< All poses of the estimate, X_WC, in the world of the truth.
   std::vector<double> error_se3_m, error_sim3_m, error_rot_deg;  ///< Per pair.
+  std::vector<double> error_rot_own_deg;  ///< Per pair, after the rotation that fits the orientations best.
 
   /// @returns the value of a score or timing by name. @throws BadInput naming the nearest known one.
   double Value(const std::string& name) const;

@@ -151,6 +151,17 @@ TEST(Alignment, AnEstimateThatNeverMovedIsPlacedInTheMiddle) {
   }
 }
 
+TEST(Alignment, OrientationsAloneFindTheRotationOfAnyWorld) {
+  RandomStream random(7, "alignment");
+  const Trajectory truth = SwayingCircle(50, 1, 3);
+  for (int run = 0; run < 20; ++run) {
+    const Similarity X = RandomSimilarity(random, true);
+    Trajectory estimate = Map(X, truth);
+    for (StampedPose& p : estimate) p.pose.translation = {random.Normal(), random.Normal(), random.Normal()};
+    EXPECT_LT(RotationAngle(AlignOrientations(PairUp(truth, estimate)), X.rotation.conjugate()), 1e-12);
+  }
+}
+
 TEST(Alignment, YawOfAPurelyVerticalPathComesFromTheOrientations) {
   Trajectory truth;
   for (int i = 0; i < 20; ++i) truth.push_back({i * kFrame_ns, Pose(LookAlong(0.3), {0, 0, 0.1 * i})});
