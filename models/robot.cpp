@@ -128,6 +128,9 @@ class RobotBuilder {
     ReadYaml(root_, file_);
     if (!root_.Has("urdf")) root_.Fail("expected key urdf with the name of the URDF file beside this one");
     robot_.urdf_file = root_.folder() / file_.urdf;
+    for (const auto& [link, kg] : file_.masses) {
+      if (!(kg > 0)) root_.Child("masses").Child(link).Fail("expected a mass above 0 kg");
+    }
     robot_.kind = file_.kind == "humanoid" ? Robot::Kind::kHumanoid : Robot::Kind::kOmniBase;
     UrdfTree tree = ReadUrdf(robot_.urdf_file, file_.masses);
     robot_.links = std::move(tree.links);
@@ -148,6 +151,7 @@ class RobotBuilder {
   template <class Elements>
   int Find(const YamlNode& at, const std::string& name, const Elements& elements, const std::string& kind) const {
     std::vector<std::string> names;
+    names.reserve(elements.size());
     for (const auto& element : elements) names.push_back(element.name);
     const auto found = std::find(names.begin(), names.end(), name);
     if (found != names.end()) return int(found - names.begin());

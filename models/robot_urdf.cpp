@@ -111,7 +111,7 @@ class UrdfReader {
     const std::string what = "joint \"" + joint + "\"";
     Element child = element->FirstChildElement(end);
     if (!child) Fail(element, fmt::format("{}: expected <{} link=\"...\"/>", what, end));
-    const std::string link = Attribute(child, "link", what + ": " + end);
+    std::string link = Attribute(child, "link", what + ": " + end);
     const std::vector<std::string> names = LinkNames();
     if (std::find(names.begin(), names.end(), link) == names.end()) {
       const std::string near = NearestWord(link, names);

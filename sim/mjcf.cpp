@@ -145,7 +145,7 @@ class MjcfWriter {
   /// @returns the material that shows a texture of the place.
   std::string TextureMaterial(int texture) {
     GAITCAM_ASSERT(texture >= 0 && texture < int(place_.textures.size()));
-    const std::string name = fmt::format("tex{}", texture);
+    std::string name = fmt::format("tex{}", texture);
     if (!written_textures_.insert(texture).second) return name;
     // mjrContext holds 100 textures, the sky among them, and says nothing about more.
     if (written_textures_.size() > 99) {

@@ -116,9 +116,13 @@ void World::Perturb(const PhysicsOptions& physics, uint64_t seed) {
   }
   const double factor = 1 + physics.friction_noise_ratio * friction.Uniform(-1, 1);
   for (int geom = 0; geom < m->ngeom; ++geom) {
-    if (IsOfPlace(m, geom)) m->geom_friction[3 * geom] *= factor;
+    if (IsOfPlace(m, geom)) m->geom_friction[3 * size_t(geom)] *= factor;
   }
+  const mjStatistic scale = m->stat;
   mj_setConst(m, data_.get());
+  // It also measures the scene anew, whose size scales clipping planes and shadows.
+  m->stat.extent = scale.extent;
+  std::copy(scale.center, scale.center + 3, m->stat.center);
 }
 
 void World::ScaleServos(double legs, double neck) {

@@ -212,6 +212,16 @@ TEST_F(UserRobot, LackingInertiaIsNamedUnlessTheYamlGivesAMass) {
   EXPECT_NEAR(robot.links[0].inertia(0, 0), ixx, 1e-12);
 }
 
+TEST_F(UserRobot, MassesInTheYamlArePositiveAndForKnownLinksWithoutInertia) {
+  const std::string good = yaml_;
+  yaml_ = good + "masses: {trunk: -1}\n";
+  EXPECT_THAT(Error(), HasSubstr("masses.trunk: expected a mass above 0 kg"));
+  yaml_ = good + "masses: {trunk: 1}\n";
+  EXPECT_THAT(Error(), HasSubstr("link \"trunk\" has an <inertial> already"));
+  yaml_ = good + "masses: {trank: 1}\n";
+  EXPECT_THAT(Error(), HasSubstr("no link \"trank\""));
+}
+
 TEST_F(UserRobot, InertiaThatNoBodyHasIsRefused) {
   Replace(urdf_, "ixx=\"0.00140938\"", "ixx=\"0.0140938\"");
   EXPECT_THAT(Error(),

@@ -83,6 +83,30 @@ TEST(World, FeetCarryTheWeight) {
   EXPECT_EQ(world.stamp_ns(), 1000000000);
 }
 
+TEST(World, AMasslessRootIsCarriedByWhatIsFixedToIt) {
+  // As many ROS models have it: `base_footprint` without mass, the trunk fixed above it.
+  Robot robot = Shipped();
+  for (RobotJoint& joint : robot.joints) ++joint.parent_link, ++joint.child_link;
+  RobotJoint fixed;
+  fixed.name = "to_trunk";
+  fixed.parent_link = 0;
+  fixed.child_link = 1;
+  fixed.X_PJ.translation.z() = 0.2;
+  robot.joints.insert(robot.joints.begin(), fixed);
+  robot.servos.insert(robot.servos.begin(), ServoOptions());
+  robot.links.insert(robot.links.begin(), RobotLink());
+  robot.links[0].name = "base_footprint";
+  for (RobotLeg& leg : robot.legs) {
+    ++leg.foot_link;
+    for (int& joint : leg.joints) ++joint;
+  }
+  ++robot.camera.link, ++robot.imu.link, ++robot.neck_pan, ++robot.neck_tilt;
+  World world(robot, Place(), PhysicsOptions(), {}, 1);
+  world.Place(Pose(Eigen::Quaterniond::Identity(), {0, 0, HipHeight(robot, Crouch(robot))}), Crouch(robot));
+  Simulate(world, 1.0);
+  EXPECT_NEAR(world.FootForce(0) + world.FootForce(1), 9.81 * robot.TotalMass(), 0.02);
+}
+
 TEST(World, FeetDoNotTouchInTheAir) {
   World world = Standing({}, 1, 0.05);
   Simulate(world, 0.05);  // falls 12 mm
@@ -150,6 +174,16 @@ TEST(World, NoiseChangesTheSimulatedRobotWithinItsBoundsAndNotTheNominalOne) {
     EXPECT_NEAR(world.model()->body_inertia[3 * body] / world.nominal_model()->body_inertia[3 * body], factor, 1e-12);
   }
   EXPECT_TRUE(changed);
+  // MuJoCo's derived constants were brought up to date, and the scene's scale (which scales clipping planes) was not.
+  EXPECT_NEAR(
+      world.model()->body_subtreemass[1],
+      [&] {
+        double sum = 0;
+        for (int body = 1; body < world.model()->nbody; ++body) sum += world.model()->body_mass[body];
+        return sum;
+      }(),
+      1e-12);
+  EXPECT_EQ(world.model()->stat.extent, world.nominal_model()->stat.extent);
   const int floor = mj_name2id(world.model(), mjOBJ_GEOM, "floor");
   EXPECT_EQ(world.nominal_model()->geom_friction[3 * floor], 0.8);
   EXPECT_NE(world.model()->geom_friction[3 * floor], 0.8);
