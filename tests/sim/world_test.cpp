@@ -175,14 +175,9 @@ TEST(World, NoiseChangesTheSimulatedRobotWithinItsBoundsAndNotTheNominalOne) {
   }
   EXPECT_TRUE(changed);
   // MuJoCo's derived constants were brought up to date, and the scene's scale (which scales clipping planes) was not.
-  EXPECT_NEAR(
-      world.model()->body_subtreemass[1],
-      [&] {
-        double sum = 0;
-        for (int body = 1; body < world.model()->nbody; ++body) sum += world.model()->body_mass[body];
-        return sum;
-      }(),
-      1e-12);
+  double mass = 0;
+  for (int body = 1; body < world.model()->nbody; ++body) mass += world.model()->body_mass[body];
+  EXPECT_NEAR(world.model()->body_subtreemass[mj_name2id(world.model(), mjOBJ_BODY, "trunk")], mass, 1e-12);
   EXPECT_EQ(world.model()->stat.extent, world.nominal_model()->stat.extent);
   const int floor = mj_name2id(world.model(), mjOBJ_GEOM, "floor");
   EXPECT_EQ(world.nominal_model()->geom_friction[3 * floor], 0.8);
