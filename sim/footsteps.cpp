@@ -45,10 +45,10 @@ PlanarPose FootstepPlanner::Center(const Footprint& print) const {
   return print.ankle * PlanarPose({0, -SideSign(print.side) * gait_.foot_spacing_m / 2}, 0);
 }
 
-void FootstepPlanner::Append(const PlanarPose& X_WP) {
+void FootstepPlanner::Append(const PlanDrift& drift, int standing) {
   GAITCAM_ASSERT(!complete_);
   const PlanarPose center = Center(prints_.back());
-  const Advance advance = Next(X_WP * center);
+  const Advance advance = Next(PredictCenter(drift, standing), drift.slip_rad);
   const int side = 1 - prints_.back().side;
   const double length = advance.length_m * (1 + SideSign(side) * gait_.asymmetry_ratio);
   // The way to the next centre is an arc's chord: it leaves in the direction of half the turn.
@@ -58,18 +58,28 @@ void FootstepPlanner::Append(const PlanarPose& X_WP) {
   length_m_ = advance.length_m;
 }
 
-FootstepPlanner::Advance FootstepPlanner::Next(const PlanarPose& X_WC) {
+PlanarPose FootstepPlanner::PredictCenter(const PlanDrift& drift, int standing) const {
+  const PlanarPose X_WC = drift.X_WP * Center(prints_.back());
+  // Turned by the slip at each pending step, the way there bends: length times slip times 0 + 1 + 2 + ...
+  const double pending = std::max(0, count() - 1 - standing);
+  const double sideways = 0.5 * pending * (pending - 1) * length_m_ * drift.slip_rad;
+  return X_WC * PlanarPose({0, sideways}, pending * drift.slip_rad);
+}
+
+FootstepPlanner::Advance FootstepPlanner::Next(const PlanarPose& X_WC, double slip_rad) {
   for (; segment_ < path_.segments().size(); ++segment_, along_ = 0) {
     const PathSegment& segment = path_.segments()[segment_];
     if (segment.IsTurnOnTheSpot()) {
       const double left_to_turn = segment.start.heading + segment.turn_rad - X_WC.heading;
       if (std::abs(left_to_turn) < kTurned_rad) continue;
-      return {0, std::clamp(left_to_turn, -steering_.max_turn_rad, steering_.max_turn_rad)};
+      return {0, std::clamp(left_to_turn - slip_rad, -steering_.max_turn_rad, steering_.max_turn_rad)};
     }
     const PathSegment::Location location = segment.Locate(X_WC.position, along_);
     along_ = location.along;
     if (along_ >= segment.length_m || DistanceToStop(along_) < kArrived_m) continue;
-    return AlongSegment(segment, X_WC, location.along, location.left);
+    Advance advance = AlongSegment(segment, X_WC, location.along, location.left);
+    advance.turn_rad = std::clamp(advance.turn_rad - slip_rad, -steering_.max_turn_rad, steering_.max_turn_rad);
+    return advance;
   }
   complete_ = true;
   return {};
@@ -84,15 +94,14 @@ double FootstepPlanner::DistanceToStop(double along) const {
 }
 
 FootstepPlanner::Advance FootstepPlanner::AlongSegment(const PathSegment& segment, const PlanarPose& X_WC, double along,
-                                                       double left) {
+                                                       double left) const {
   const double full = gait_.step_length_m;
   const double ramp = steering_.ramp_ratio * full;
   const double length = std::min({full, length_m_ + ramp, LongestStoppableStep(DistanceToStop(along), ramp)});
   const double approach =
       std::clamp(steering_.offset_gain * left, -steering_.max_approach_rad, steering_.max_approach_rad);
   const double heading_error = segment.At(along).heading - approach - X_WC.heading;
-  const double turn = segment.Curvature() * length + steering_.heading_gain * heading_error;
-  return {length, std::clamp(turn, -steering_.max_turn_rad, steering_.max_turn_rad)};
+  return {length, segment.Curvature() * length + steering_.heading_gain * heading_error};
 }
 
 }  // namespace gaitcam

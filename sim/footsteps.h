@@ -3,8 +3,8 @@
 /// Footprints live in the plan's frame P: the floor as the feet would find it if no step ever slipped. P starts as the
 /// world W; while slipping feet carry it away, X_WP says how P lies in W. The queue of footprints is longer than what
 /// is walked, since preview control looks ahead. So steering does not ask where the robot is, but where the last
-/// footprint of the queue will be, X_WP * print: otherwise every correction would come again, a queue's length too
-/// late.
+/// footprint of the queue will be, X_WP * print, slip to come included: otherwise every correction would come again, a
+/// queue's length too late.
 
 #pragma once
 
@@ -23,6 +23,12 @@ struct Footprint {
 
 /// +1 for the left foot, -1 for the right: the sign of its y.
 inline double SideSign(int side) { return side == 0 ? 1.0 : -1.0; }
+
+/// How the plan lies in the world, as last seen.
+struct PlanDrift {
+  PlanarPose X_WP;
+  double slip_rad = 0;  ///< By how much P turns in W from step to step: feet slip in the same way again and again.
+};
 
 struct SteeringOptions {
   double max_turn_rad = 0.25;     ///< Most that one step turns.
@@ -45,7 +51,8 @@ class FootstepPlanner {
   bool complete() const { return complete_; }
 
   /// Appends the next footprint. @pre not complete.
-  void Append(const PlanarPose& X_WP);
+  /// @param drift as seen while print `standing` carried the robot; between that and the last print, it goes on.
+  void Append(const PlanDrift& drift, int standing);
   /// Drops the prints before `index`, so that a long walk does not grow.
   void Forget(int index);
 
@@ -56,8 +63,9 @@ class FootstepPlanner {
   struct Advance {
     double length_m = 0, turn_rad = 0;
   };
-  Advance Next(const PlanarPose& X_WC);
-  Advance AlongSegment(const PathSegment& segment, const PlanarPose& X_WC, double along, double left);
+  PlanarPose PredictCenter(const PlanDrift& drift, int standing) const;
+  Advance Next(const PlanarPose& X_WC, double slip_rad);
+  Advance AlongSegment(const PathSegment& segment, const PlanarPose& X_WC, double along, double left) const;
   double DistanceToStop(double along) const;
 
   GaitOptions gait_;

@@ -38,11 +38,11 @@ WalkPattern::WalkPattern(const GaitOptions& gait, const WalkPatternOptions& opti
   targets_.acceleration.setZero();
 }
 
-const WalkTargets& WalkPattern::Advance(const PlanarPose& X_WP) {
+const WalkTargets& WalkPattern::Advance(const PlanDrift& drift) {
   const int before = StepAt(time());
   ++tick_;
   const int step = StepAt(time());
-  if (step != before) AppendPrints(step, X_WP);
+  if (step != before) AppendPrints(step, drift);
 
   // Prints never change once they are appended, so each tick adds one new instant at the horizon's far end.
   reference_.erase(reference_.begin());
@@ -64,10 +64,10 @@ bool WalkPattern::Finished() const {
   return planner_.complete() && time() >= 2 * options_.settle_s + StepCount() * gait_.period_s;
 }
 
-void WalkPattern::AppendPrints(int step, const PlanarPose& X_WP) {
+void WalkPattern::AppendPrints(int step, const PlanDrift& drift) {
   planner_.Forget(std::max(0, step));
   const int ahead = 3 + int(std::floor(options_.preview_s / gait_.period_s + kRounding));
-  while (!planner_.complete() && planner_.count() < step + ahead + 1) planner_.Append(X_WP);
+  while (!planner_.complete() && planner_.count() < step + ahead + 1) planner_.Append(drift, step);
 }
 
 Eigen::Vector2d WalkPattern::SupportZmp(int print) const {

@@ -41,11 +41,13 @@ class WalkPattern {
  public:
   WalkPattern(const GaitOptions& gait, const WalkPatternOptions& options, FootstepPlanner planner);
 
-  /// Advances by one control period. @param X_WP where the plan's frame lies in the world; used when a step is
+  /// Advances by one control period. @param drift of the plan's frame in the world; used when a step is
   /// appended.
-  const WalkTargets& Advance(const PlanarPose& X_WP);
+  const WalkTargets& Advance(const PlanDrift& drift);
   const WalkTargets& targets() const { return targets_; }
 
+  /// The next Advance() begins a step, and may append footprints.
+  bool StepIsDue() const { return StepAt(time() + options_.control_period_s) != StepAt(time()); }
   /// The time of the present targets, s.
   double time() const { return double(tick_) * options_.control_period_s; }
   /// Stood for the settling time after the last step.
@@ -59,7 +61,7 @@ class WalkPattern {
   Eigen::Vector2d SupportZmp(int print) const;
   Eigen::Vector2d RestZmp(int print) const;
   Eigen::Vector2d ZmpAt(double time) const;
-  void AppendPrints(int step, const PlanarPose& X_WP);
+  void AppendPrints(int step, const PlanDrift& drift);
   void PlaceFeet(int step, double phase);
   void PlaceSwingFoot(int step, double swing_phase);
 

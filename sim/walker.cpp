@@ -46,8 +46,8 @@ class Walker : public Controller {
 
   const std::vector<double>& Update(const ControlInput& input) override {
     Sense(input);
-    const WalkTargets& plan = plan_.pattern.Advance(X_WP_);
-    if (plan.gait.step != course_step_) Steer(plan.gait.step);
+    if (plan_.pattern.StepIsDue() && !course_.empty()) drift_ = course_.Take();
+    const WalkTargets& plan = plan_.pattern.Advance(drift_);
     ShiftCenterOfMass(plan);
     Posture::Targets posture = plan.posture;
     posture.com += shift_;
@@ -73,12 +73,6 @@ class Walker : public Controller {
     if (path_.feedback == "truth" && !input.X_WB) throw BadOption("path.feedback: truth was asked for but not given");
     const Pose& measured = path_.feedback == "truth" ? *input.X_WB : estimator_.X_OB();
     course_.Add(PlanarPose(measured), PlanarPose(solution_->X_PB));
-  }
-
-  /// At the begin of each step: where the plan lies in the world, for the footprints that will be appended at the next.
-  void Steer(int step) {
-    course_step_ = step;
-    if (!course_.empty()) X_WP_ = course_.Take();
   }
 
   /// Moves the centre of mass against the error of the divergent component of motion: where the robot would fall to.
@@ -177,8 +171,7 @@ class Walker : public Controller {
   std::vector<double> targets_, initial_joints_;
   std::optional<Posture::Solution> solution_;
   Course course_;
-  int course_step_ = -1;
-  PlanarPose X_WP_;
+  PlanDrift drift_;
   Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();
   double arm_fade_ = 0, arm_phase_ = 0;
 };
@@ -217,7 +210,7 @@ std::unique_ptr<Controller> MakeWalker(const Robot& robot, const mjModel* nomina
 double EstimateWalkingTime(const GaitOptions& gait, const PathOptions& path) {
   if (path.kind == "stand") return 2 * path.settle_s + path.duration_s;
   FootstepPlanner planner(gait, {}, Path(path, {}));
-  while (!planner.complete()) planner.Append({});
+  while (!planner.complete()) planner.Append({}, planner.count());
   return 2 * path.settle_s + (planner.count() - 2) * gait.period_s;
 }
 

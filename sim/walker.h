@@ -29,9 +29,9 @@ struct WalkerOptions {
   double dcm_gain = 0.3;            ///< Shift of the centre of mass per error of the divergent component.
   double dcm_filter_s = 0.05;       ///< Low-pass of that shift.
   double dcm_limit_m = 0.02;        ///< Most of that shift.
-  double feedforward = 1.0;        ///< Share of the known loads and speeds that is added to the servos' targets.
+  double feedforward = 1.0;         ///< Share of the known loads and speeds that is added to the servos' targets.
   double attitude_gain = 0.2;       ///< How fast the accelerometer corrects the gyroscope, 1/s.
-  double velocity_filter_s = 0.02;  ///< Low-pass of the measured velocity of the centre of mass.
+  double velocity_filter_s = 0.01;  ///< Low-pass of the measured velocity of the centre of mass.
   double zmp_forward_m = 0;         ///< Planned ZMP, forward of the middle of the sole.
   double zmp_inward_m = 0;          ///< Planned ZMP, from the ankle towards the other foot.
   double lean_rad = 0;              ///< The trunk's pitch.
