@@ -143,10 +143,12 @@ std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
 
 cv::Mat Simulation::ThirdPersonView(int width_px, int height_px) {
   const Pose X_WB = world_.X_WB();
-  const double size = std::max(0.3, X_WB.translation.z() * 1.8);
+  const Pose X_WC = CameraPose(*world_.data(), FindCamera(world_.model(), rig_.WorldCameras().front().name));
+  const double height = std::max(0.1, X_WC.translation.z());  // a robot is about as tall as its camera is high
+  const Eigen::Vector3d middle(X_WB.translation.x(), X_WB.translation.y(), 0.55 * height);
   // From ahead on the robot's left, a little above: face, arms and the step are all seen.
-  const Pose X_WC = LookAt(X_WB.translation, 2.4 * size, X_WB.Yaw() + 2.3, -0.25);
-  return renderer_.Picture(*world_.data(), X_WC, CameraModel::FromHorizontalFov(width_px, height_px, 55), 4);
+  const Pose X_WV = LookAt(middle, 2.2 * height, X_WB.Yaw() + 2.3, -0.25);
+  return renderer_.Picture(*world_.data(), X_WV, CameraModel::FromHorizontalFov(width_px, height_px, 55), 4);
 }
 
 }  // namespace gaitcam

@@ -20,17 +20,17 @@ namespace gaitcam {
 struct SiftVoOptions {
   using DescribedTag = void;
 
-  int max_features = 400;              ///< Strongest SIFT features kept per frame.
-  double contrast_threshold = 0.02;    ///< Weakest SIFT extremum; OpenCV's own default is 0.04, too high for blur.
+  int max_features = 800;              ///< Strongest SIFT features kept per frame.
+  double contrast_threshold = 0.01;    ///< Weakest SIFT extremum; OpenCV's own default is 0.04, too high for blur.
   double ratio = 0.8;                  ///< Ratio test (Lowe 2004).
   double threshold_px = 2.0;           ///< Largest error of an inlier, px at the image centre.
-  int min_matches = 15;                ///< With fewer inliers a frame has no pose.
+  int min_matches = 10;                ///< With fewer inliers a frame has no pose.
   int min_start_points = 40;           ///< Points that a new map needs.
   double min_parallax_deg = 1.0;       ///< A point is triangulated when its rays meet at this angle.
   double start_parallax_deg = 0.5;     ///< Median angle between the rays of the two frames that start a map.
   double start_direction_deg = 1.0;    ///< ... and the largest standard deviation of the direction of their baseline.
   double keyframe_parallax_deg = 4.0;  ///< Median angle that makes a frame a keyframe.
-  double keyframe_overlap = 0.6;       ///< A frame that shares less than this part of its points becomes a keyframe.
+  double keyframe_overlap = 0.3;       ///< A frame that shares less than this part of its points becomes a keyframe.
   int max_lost_frames = 15;            ///< After so many frames without a pose the map is given up and begun anew.
   double ransac_confidence = 0.9999;
   int ransac_iterations = 300;  ///< Most samples drawn per frame.
