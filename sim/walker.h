@@ -39,7 +39,7 @@ struct WalkerOptions {
   double landing_phase = 0.95;      ///< Part of the swing after which the foot no longer moves horizontally.
   double max_turn_rad = 0.25;       ///< Most that one step turns.
   double heading_gain = 0.3;        ///< Part of the heading error that one step takes away.
-  double offset_gain = 1.0;         ///< Heading back to the path, rad per m beside it.
+  double offset_gain = 2.0;         ///< Heading back to the path, rad per m beside it.
 };
 
 template <class Visitor>
