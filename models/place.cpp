@@ -57,17 +57,17 @@ cv::Mat FloorImage(const Place& place, double pixels_per_m) {
   const cv::Size size(int(std::lround(extent.x() * pixels_per_m)), int(std::lround(extent.y() * pixels_per_m)));
   const double scale_x = repeat.cols / wanted.x(), scale_y = repeat.rows / wanted.y();
   // Coordinates are taken into the first repeat before interpolation: remap's own have too few bits for many repeats.
-  cv::Mat map_x(size, CV_32FC1), map_y(size, CV_32FC1), image;
+  // Row by row, as maps of the whole floor would take several times its memory.
+  cv::Mat map_x(1, size.width, CV_32FC1), map_y(1, size.width, CV_32FC1), image(size, CV_8UC3);
+  for (int x = 0; x < size.width; ++x) {
+    const double right = (x + 0.5) * scale_x;
+    map_x.at<float>(0, x) = float(right - repeat.cols * std::floor(right / repeat.cols) - 0.5);
+  }
   for (int y = 0; y < size.height; ++y) {
     const double up = (extent.y() * pixels_per_m - y - 0.5) * scale_y;  // texels above the repeat's lower edge
-    const double row = repeat.rows - (up - repeat.rows * std::floor(up / repeat.rows)) - 0.5;
-    for (int x = 0; x < size.width; ++x) {
-      const double right = (x + 0.5) * scale_x;
-      map_x.at<float>(y, x) = float(right - repeat.cols * std::floor(right / repeat.cols) - 0.5);
-      map_y.at<float>(y, x) = float(row);
-    }
+    map_y.setTo(repeat.rows - (up - repeat.rows * std::floor(up / repeat.rows)) - 0.5);
+    cv::remap(repeat, image.row(y), map_x, map_y, cv::INTER_LINEAR, cv::BORDER_WRAP);
   }
-  cv::remap(repeat, image, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_WRAP);
   return image;
 }
 
