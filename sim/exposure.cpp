@@ -19,11 +19,13 @@ constexpr int64_t kLookNs = 1000000;  // the motion is measured at least this of
 void DescribeFlow(const std::vector<Eigen::Vector2d>& open, const std::vector<Eigen::Vector2d>& close,
                   MotionProfile& motion) {
   Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d sum(0, 0);
   std::vector<double> lengths;
   for (size_t i = 0; i < open.size(); ++i) {
     const Eigen::Vector2d moved = close[i] - open[i];
     if (!moved.allFinite()) continue;
     moments += moved * moved.transpose();
+    sum += moved;
     lengths.push_back(moved.norm());
   }
   if (lengths.empty()) return;
@@ -31,6 +33,7 @@ void DescribeFlow(const std::vector<Eigen::Vector2d>& open, const std::vector<Ei
   motion.typical_px = lengths[lengths.size() / 2];
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(moments);
   motion.axis = solver.eigenvectors().col(1);
+  if (motion.axis.dot(sum) < 0) motion.axis = -motion.axis;
 }
 
 }  // namespace

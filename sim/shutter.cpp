@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "algorithms/core/errors.h"
-#include "sim/light.h"
 
 namespace gaitcam {
 namespace {
@@ -82,18 +81,21 @@ double LargestStep(const ShutterPlan& plan, const Progress& progress) {
   return largest;
 }
 
-/// Motion along its axis smooths by itself; looking beside the pixels' centres that way would only add noise. Across
-/// it, four places in turn do, the same for any four neighbours. Where hardly anything moves, the places spread both
-/// ways.
+/// Every image point integrates over its path (length L) and over the pixel's square. Sampling both at random is noisy;
+/// walking slowly along the square in the path's direction while time passes is not. A walk of sqrt(L^2 + 1) - L px
+/// makes the points' spread along the path what path and pixel give together, (L^2 + 1) / 12. Across the path, two
+/// places in turn do; where hardly anything moves and edges stand still, four.
 void ShiftWithinPixels(const MotionProfile& motion, ShutterPlan& plan) {
-  constexpr double kAcross[] = {-0.375, 0.375, 0.125, -0.125};
-  constexpr double kSmoothedBy_px = 2;  // motion that needs no help
-  const std::vector<Eigen::Vector2d> spread = PixelShifts(int(plan.size()));
-  const double help = std::max(0.0, 1 - motion.typical_px / kSmoothedBy_px);
+  constexpr double kTwoPlaces[] = {-0.25, 0.25, -0.25, 0.25}, kFourPlaces[] = {-0.125, 0.375, -0.375, 0.125};
+  constexpr double kHardlyMoves_px = 2;
+  const double* places = motion.typical_px < kHardlyMoves_px ? kFourPlaces : kTwoPlaces;
+  const double walk = std::hypot(motion.typical_px, 1) - motion.typical_px;
   const Eigen::Vector2d along = motion.axis, across(-along.y(), along.x());
   Eigen::Vector2d mean(0, 0);
   for (size_t i = 0; i < plan.size(); ++i) {
-    plan[i].shift_px = help * spread[i].x() * along + (plan.size() > 1 ? kAcross[i % 4] : 0) * across;
+    const double part = (double(i) + 0.5) / double(plan.size()) - 0.5;
+    // What moves ahead is seen to move further by who looks back.
+    plan[i].shift_px = -part * walk * along + (plan.size() > 1 ? places[i % 4] : 0) * across;
     mean += plan[i].weight * plan[i].shift_px;
   }
   for (ShutterSlot& slot : plan) slot.shift_px -= mean;

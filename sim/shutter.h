@@ -33,7 +33,7 @@ ShutterInterval RowShutter(const ExposureOptions& options, int64_t stamp_ns, dou
 struct MotionProfile {
   std::vector<int64_t> stamps_ns;  ///< Increasing, from the whole shutter's opening to its close.
   std::vector<double> travel_px;   ///< Starts at 0, never decreases.
-  Eigen::Vector2d axis{1, 0};      ///< Unit vector along which most of the image moves.
+  Eigen::Vector2d axis{1, 0};      ///< Unit vector: the way that most of the image moves.
   double typical_px = 0;           ///< How far half of the image moves, from open to close.
 };
 
