@@ -16,31 +16,31 @@ namespace gaitcam {
 
 /// Something flat or box-shaped with a texture on it, in world coordinates.
 ///
-/// A texture shows on all six faces. On the side faces the image's up is the box's +z; on the two z faces it is +y. Seen
-/// from outside, right is up x outward normal, so nothing is mirrored: on the +z face right is +x. With a
+/// A texture shows on all six faces. On the side faces the image's up is the box's +z; on the two z faces it is +y.
+/// Seen from outside, right is up x outward normal, so nothing is mirrored: on the +z face right is +x. With a
 /// `texture_size_m` the image repeats from the face's lower left corner. Flat things (walls, posters, cards) have their
 /// thin axis as z, pointing out of the picture, so that their picture is also the projection along z.
 struct PlaceBox {
   std::string name;
-  Pose X_WB;                                        ///< Box frame in the world.
-  Eigen::Vector3d size = Eigen::Vector3d::Zero();   ///< Full edges, m.
-  int texture = -1;                                 ///< Index into Place::textures, or -1 for plain colour.
-  Eigen::Vector3d rgb{0.8, 0.8, 0.8};               ///< Display (sRGB) values 0..1; used when there is no texture.
-  Eigen::Vector2d texture_size_m{0, 0};             ///< One repeat of the texture spans this; 0: stretched over the face.
+  Pose X_WB;                                       ///< Box frame in the world.
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< Full edges, m.
+  int texture = -1;                                ///< Index into Place::textures, or -1 for plain colour.
+  Eigen::Vector3d rgb{0.8, 0.8, 0.8};              ///< Display (sRGB) values 0..1; used when there is no texture.
+  Eigen::Vector2d texture_size_m{0, 0};  ///< One repeat of the texture spans this; 0: stretched over the face.
   bool collides = true;
 };
 
 /// One texture image; what it shows has a real size, so that repeats and scales are metric.
 struct PlaceTexture {
   std::string name;
-  cv::Mat bgr;                                      ///< CV_8UC3, display (sRGB) values, row 0 on top.
+  cv::Mat bgr;  ///< CV_8UC3, display (sRGB) values, row 0 on top.
 };
 
 struct PlaceLight {
   Eigen::Vector3d position{0, 0, 2.5};
   Eigen::Vector3d direction{0, 0, -1};
   bool directional = false;
-  double brightness = 0.5;                          ///< Diffuse, 0..1.
+  double brightness = 0.5;  ///< Diffuse, 0..1.
   bool casts_shadow = false;
 };
 
@@ -49,15 +49,15 @@ struct Place {
   std::filesystem::path file;
   Eigen::Vector2d floor_min{-3, -3}, floor_max{3, 3};  ///< The textured floor's extent, m.
   int floor_texture = -1;
-  Eigen::Vector2d floor_texture_size_m{1, 1};       ///< One repeat; the texture's row 0 lies towards +y. Its lower left
-                                                    ///< corner lies at floor_min.
+  Eigen::Vector2d floor_texture_size_m{1, 1};  ///< One repeat; the texture's row 0 lies towards +y. Its lower left
+                                               ///< corner lies at floor_min.
   double floor_friction = 0.8;
   std::vector<PlaceTexture> textures;
-  std::vector<PlaceBox> boxes;                      ///< Walls, posters, furniture, table tops, lines, goals.
+  std::vector<PlaceBox> boxes;  ///< Walls, posters, furniture, table tops, lines, goals.
   std::vector<PlaceLight> lights;
-  double ambient = 0.4;                             ///< 0..1
-  Eigen::Vector3d background_rgb{0.55, 0.65, 0.75}; ///< What a camera sees beyond everything.
-  Eigen::Vector3d start{0, 0, 0};                   ///< Where robots start unless the scenario says otherwise: x, y, yaw.
+  double ambient = 0.4;                              ///< 0..1
+  Eigen::Vector3d background_rgb{0.55, 0.65, 0.75};  ///< What a camera sees beyond everything.
+  Eigen::Vector3d start{0, 0, 0};  ///< Where robots start unless the scenario says otherwise: x, y, yaw.
 };
 
 /// Reads a shipped place by name, or any place by path. Textures are generated here, from the place's own seed.
@@ -67,8 +67,8 @@ Place ReadPlace(const std::string& name_or_path, const std::filesystem::path& mo
 /// Names of the shipped places, sorted.
 std::vector<std::string> ListPlaces(const std::filesystem::path& models_folder);
 
-/// The true floor as seen from straight above, x to the right and y up, `pixels_per_m` pixels per metre over the floor's
-/// extent. CV_8UC3, display values, without lighting.
+/// The true floor as seen from straight above, x to the right and y up, `pixels_per_m` pixels per metre over the
+/// floor's extent. CV_8UC3, display values, without lighting.
 cv::Mat FloorImage(const Place& place, double pixels_per_m);
 
 }  // namespace gaitcam
