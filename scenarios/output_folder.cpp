@@ -29,14 +29,20 @@ OutputFolder::OutputFolder(fs::path wanted, std::string marker)
   }
   std::error_code error;
   fs::remove_all(temporary_, error);
+  for (made_ = temporary_; made_.has_parent_path() && !fs::exists(made_.parent_path());) made_ = made_.parent_path();
   if (!fs::create_directories(temporary_, error) || error) {
     throw MissingResource("cannot create the folder " + temporary_.string() + ": " + error.message());
   }
 }
 
 OutputFolder::~OutputFolder() {
-  std::error_code ignored;
-  if (!committed_) fs::remove_all(temporary_, ignored);
+  std::error_code error;
+  if (committed_) return;
+  fs::remove_all(temporary_, error);
+  for (fs::path folder = temporary_; folder != made_;) {  // folders made on the way go too, if nothing else is in them
+    folder = folder.parent_path();
+    fs::remove(folder, error);
+  }
 }
 
 void OutputFolder::WriteText(const std::string& name, const std::string& text) const {

@@ -26,6 +26,7 @@ class OutputFolder {
 
  private:
   const std::filesystem::path wanted_, temporary_;
+  std::filesystem::path made_;  ///< The first folder on the way that was not there before.
   bool committed_ = false;
 };
 

@@ -26,7 +26,7 @@ TEST(OutputFolder, IsNotThereUntilItIsWhole) {
 
 TEST(OutputFolder, LeavesNothingBehindWhenItIsAbandoned) {
   const TemporaryFolder temporary;
-  { OutputFolder folder(temporary.path() / "run", "scores.json"); }
+  { OutputFolder folder(temporary.path() / "runs/today/run", "scores.json"); }
   EXPECT_TRUE(fs::is_empty(temporary.path()));
 }
 
