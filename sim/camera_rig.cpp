@@ -89,9 +89,9 @@ int64_t CameraRig::FrameStamp(int64_t frame) const {
 
 RigFrame CameraRig::Expose(Renderer& renderer, const MotionRecord& record, int64_t frame, const TruthOptions& truth) {
   if (cameras_.empty()) {
+    const FilmOptions film{options_.exposure, options_.antialias, options_.grey, options_.lens.softness_px};
     for (const WorldCamera& camera : WorldCameras()) {
-      cameras_.emplace_back(renderer.model(), camera.name, MakeCamera(), options_.exposure, options_.antialias,
-                            options_.grey);
+      cameras_.emplace_back(renderer.model(), camera.name, MakeCamera(), film);
     }
   }
   const int64_t stamp_ns = FrameStamp(frame);

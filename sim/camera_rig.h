@@ -21,6 +21,7 @@ struct LensOptions {
   double k1 = 0, k2 = 0, k3 = 0;              ///< Radial distortion (algorithms/core/camera.h).
   double p1 = 0, p2 = 0;                      ///< Tangential.
   double cx_offset_px = 0, cy_offset_px = 0;  ///< Principal point from the image's middle.
+  double softness_px = 0.5;                   ///< Standard deviation of the point spread; no lens is sharper for long.
 };
 
 template <class Visitor>
@@ -32,6 +33,7 @@ void VisitFields(Visitor& visit, LensOptions& o) {
   visit("p2", o.p2, Between(-0.1, 0.1), "tangential distortion");
   visit("cx_offset_px", o.cx_offset_px, Between(-1000, 1000), "principal point, right of the image's middle");
   visit("cy_offset_px", o.cy_offset_px, Between(-1000, 1000), "principal point, below the image's middle");
+  visit("softness_px", o.softness_px, Between(0, 5), "standard deviation of the lens's point spread");
 }
 
 struct StereoOptions {

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <span>
 
@@ -36,6 +37,19 @@ void DescribeFlow(const std::vector<Eigen::Vector2d>& open, const std::vector<Ei
   if (motion.axis.dot(sum) < 0) motion.axis = -motion.axis;
 }
 
+/// The lens's point spread, of standard deviation `sigma_px`. Variances add: each pass of (v/2, 1 - v, v/2) adds v.
+cv::Mat Soften(const cv::Mat& light, double sigma_px) {
+  const double variance = sigma_px * sigma_px;
+  const int passes = int(std::ceil(variance / 0.4));
+  cv::Mat soft = light;
+  for (int i = 0; i < passes; ++i) {
+    const float v = float(variance / passes);
+    const cv::Matx13f kernel(0.5f * v, 1 - v, 0.5f * v);
+    cv::sepFilter2D(soft, soft, CV_32F, kernel, kernel, {-1, -1}, 0, cv::BORDER_REPLICATE);
+  }
+  return soft;
+}
+
 }  // namespace
 
 /// What is seen at mid-exposure.
@@ -47,15 +61,14 @@ struct ExposingCamera::Middle {
 };
 
 ExposingCamera::ExposingCamera(const mjModel* model, const std::string& camera_name, const CameraModel& camera,
-                               const ExposureOptions& options, int antialias, bool grey)
+                               const FilmOptions& options)
     : model_(model),
       camera_id_(FindCamera(model, camera_name)),
       lens_(camera),
       options_(options),
-      antialias_(antialias),
-      sensor_(options, grey),
+      sensor_(options.exposure, options.grey),
       data_(mj_makeData(model)) {
-  GAITCAM_ASSERT(antialias >= 1 && data_ != nullptr);
+  GAITCAM_ASSERT(options.antialias >= 1 && data_ != nullptr);
 }
 
 SceneInstant ExposingCamera::At(const MotionRecord& record, int64_t stamp_ns) {
@@ -73,18 +86,20 @@ void ExposingCamera::Collect(Renderer& renderer, const Eigen::Vector2d& shift_px
   }
 }
 
-/// The picture that has just been drawn looks at the pixels' centres; `antialias_` more spread evenly around it.
+/// The picture that has just been drawn looks at the pixels' centres; `options_.antialias` more spread evenly around
+/// it.
 cv::Mat ExposingCamera::Sharp(Renderer& renderer, const Pose& X_WC) {
   const CameraModel& camera = lens_.camera();
   LightAccumulator light(camera.width_px, camera.height_px);
-  const std::vector<Eigen::Vector2d> shifts = antialias_ > 1 ? PixelShifts(antialias_) : std::vector<Eigen::Vector2d>();
+  const std::vector<Eigen::Vector2d> shifts =
+      options_.antialias > 1 ? PixelShifts(options_.antialias) : std::vector<Eigen::Vector2d>();
   const std::vector<float> weights(size_t(camera.height_px), 1.f / float(shifts.size() + 1));
   Collect(renderer, Eigen::Vector2d::Zero(), weights, light);
   for (const Eigen::Vector2d& shift : shifts) {
     renderer.Draw(*data_, X_WC, lens_.pinhole(), shift);
     Collect(renderer, shift, weights, light);
   }
-  return light.light();
+  return Soften(light.light(), options_.softness_px);
 }
 
 ExposingCamera::Middle ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
@@ -131,7 +146,7 @@ cv::Mat ExposingCamera::Integrate(Renderer& renderer, const MotionRecord& record
   const CameraModel& camera = lens_.camera();
   std::vector<std::vector<float>> weights;  // by row, then slot
   for (int row = 0; row < camera.height_px; ++row) {
-    weights.push_back(RowWeights(options_, stamp_ns, plan, row, camera.height_px));
+    weights.push_back(RowWeights(options_.exposure, stamp_ns, plan, row, camera.height_px));
   }
   LightAccumulator light(camera.width_px, camera.height_px);
   std::vector<float> row_weights(size_t(camera.height_px));
@@ -144,22 +159,22 @@ cv::Mat ExposingCamera::Integrate(Renderer& renderer, const MotionRecord& record
     renderer.Draw(*data_, X_WC, lens_.pinhole(), plan[i].shift_px);
     Collect(renderer, plan[i].shift_px, row_weights, light);
   }
-  return light.light();
+  return Soften(light.light(), options_.softness_px);
 }
 
 void ExposingCamera::DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,
                                   const std::vector<SceneInstant>& instants, bool vectors, ExposureTruth& truth) {
   const int rows = lens_.camera().height_px;
-  const int bands = options_.readout_ms > 0 ? std::min(kRollingBands, rows) : 1;
+  const int bands = options_.exposure.readout_ms > 0 ? std::min(kRollingBands, rows) : 1;
   std::vector<std::pair<SceneInstant, SceneInstant>> open_close;
   for (int band = 0; band < bands; ++band) {
-    const ShutterInterval own = RowShutter(options_, stamp_ns, (band + 0.5) * rows / bands - 0.5, rows);
+    const ShutterInterval own = RowShutter(options_.exposure, stamp_ns, (band + 0.5) * rows / bands - 0.5, rows);
     open_close.emplace_back(At(record, own.open_ns), At(record, own.close_ns));
   }
   if (vectors) {
     truth.blur = BlurVectors(lens_.camera(), lens_.rays(), middle.depth, middle.bodies, middle.instant, open_close);
   }
-  const ShutterInterval own = MiddleRowShutter(options_, stamp_ns);
+  const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);
   std::vector<SceneInstant> path = {At(record, own.open_ns)};
   for (const SceneInstant& instant : instants) {
     if (instant.stamp_ns > own.open_ns && instant.stamp_ns < own.close_ns) path.push_back(instant);
@@ -175,7 +190,7 @@ ExposedFrame ExposingCamera::Expose(Renderer& renderer, const MotionRecord& reco
                                     const TruthOptions& wanted, RandomStream noise) {
   ExposedFrame frame;
   ExposureTruth& truth = frame.truth;
-  const bool measures = options_.fixed_subframes == 0;
+  const bool measures = options_.exposure.fixed_subframes == 0;
   std::optional<Middle> middle;
   MotionProfile motion;
   if (measures || wanted.sharp || wanted.depth || wanted.blur) {
@@ -184,15 +199,15 @@ ExposedFrame ExposingCamera::Expose(Renderer& renderer, const MotionRecord& reco
     At(record, stamp_ns);
     renderer.Update(*data_);
   }
-  const ShutterInterval whole = WholeShutter(options_, stamp_ns);
+  const ShutterInterval whole = WholeShutter(options_.exposure, stamp_ns);
   if (middle && whole.close_ns > whole.open_ns) motion = MeasureMotion(record, whole, *middle->points);
-  const ShutterPlan plan = PlanShutter(options_, stamp_ns, antialias_, motion);
+  const ShutterPlan plan = PlanShutter(options_.exposure, stamp_ns, options_.antialias, motion);
 
   std::vector<SceneInstant> instants;
   const cv::Mat light = Integrate(renderer, record, plan, truth, instants, stamp_ns);
   frame.image = {stamp_ns, sensor_.Develop(light, std::move(noise))};
 
-  const ShutterInterval own = MiddleRowShutter(options_, stamp_ns);
+  const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);
   truth.X_WC_open = At(record, own.open_ns).X_WC;
   truth.X_WC = At(record, stamp_ns).X_WC;
   truth.X_WC_close = At(record, own.close_ns).X_WC;

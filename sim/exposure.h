@@ -65,6 +65,14 @@ void VisitFields(Visitor& visit, TruthOptions& o) {
   visit("blur", o.blur, Nested(), "blur vectors at every pixel");
 }
 
+/// How a camera turns what it sees into an image.
+struct FilmOptions {
+  ExposureOptions exposure;
+  int antialias = 4;  ///< Least number of renders in a frame or a sharp twin, unless exposure.fixed_subframes is set.
+  bool grey = false;  ///< Monochrome sensor.
+  double softness_px = 0.5;  ///< Standard deviation of the lens's point spread.
+};
+
 /// One camera of a model that films through a shutter.
 ///
 /// When a frame is exposed, physics has already run to the shutter's close, and its record says exactly where
@@ -74,10 +82,9 @@ void VisitFields(Visitor& visit, TruthOptions& o) {
 /// way every time, with mean zero: the sum is anti-aliased for nothing.
 class ExposingCamera {
  public:
-  /// @param antialias the least number of renders in a frame or a sharp twin, unless options.fixed_subframes is set.
   /// @throws BadInput if the model has no such camera; BadOption.
   ExposingCamera(const mjModel* model, const std::string& camera_name, const CameraModel& camera,
-                 const ExposureOptions& options, int antialias, bool grey);
+                 const FilmOptions& options);
 
   /// Films one frame.
   /// @param stamp_ns mid-exposure; `record` covers the shutter's whole time (WholeShutter).
@@ -104,8 +111,7 @@ class ExposingCamera {
   const mjModel* model_;
   int camera_id_;
   Lens lens_;
-  ExposureOptions options_;
-  int antialias_;
+  FilmOptions options_;
   ImageSensor sensor_;
   MjDataPtr data_;  ///< Scratch: the configuration being looked at.
   cv::Mat buffer_;  ///< The picture last read.

@@ -85,20 +85,38 @@ double LargestStep(const ShutterPlan& plan, const Progress& progress) {
 /// walking slowly along the square in the path's direction while time passes is not. A walk of sqrt(L^2 + 1) - L px
 /// makes the points' spread along the path what path and pixel give together, (L^2 + 1) / 12. Across the path, two
 /// places in turn do; where hardly anything moves and edges stand still, four.
-void ShiftWithinPixels(const MotionProfile& motion, ShutterPlan& plan) {
+Eigen::Vector2d PlaceOnTheWay(const MotionProfile& motion, size_t i, size_t count) {
   constexpr double kTwoPlaces[] = {-0.25, 0.25, -0.25, 0.25}, kFourPlaces[] = {-0.125, 0.375, -0.375, 0.125};
   constexpr double kHardlyMoves_px = 2;
   const double* places = motion.typical_px < kHardlyMoves_px ? kFourPlaces : kTwoPlaces;
   const double walk = std::hypot(motion.typical_px, 1) - motion.typical_px;
+  const double part = (double(i) + 0.5) / double(count) - 0.5;
   const Eigen::Vector2d along = motion.axis, across(-along.y(), along.x());
+  // What moves ahead is seen to move further by who looks back.
+  return -part * walk * along + places[i % 4] * across;
+}
+
+/// A row of a rolling shutter sees only a few slots in a row: any four of these spread evenly over the pixel's square.
+Eigen::Vector2d PlaceInTurn(size_t i) {
+  constexpr double kX[] = {-0.125, 0.375, -0.375, 0.125}, kY[] = {-0.375, -0.125, 0.125, 0.375};
+  return {kX[i % 4], kY[i % 4]};
+}
+
+void ShiftWithinPixels(const MotionProfile& motion, bool rolling, ShutterPlan& plan) {
+  if (plan.size() < 2) return;
   Eigen::Vector2d mean(0, 0);
   for (size_t i = 0; i < plan.size(); ++i) {
-    const double part = (double(i) + 0.5) / double(plan.size()) - 0.5;
-    // What moves ahead is seen to move further by who looks back.
-    plan[i].shift_px = -part * walk * along + (plan.size() > 1 ? places[i % 4] : 0) * across;
+    plan[i].shift_px = rolling ? PlaceInTurn(i) : PlaceOnTheWay(motion, i, plan.size());
     mean += plan[i].weight * plan[i].shift_px;
   }
   for (ShutterSlot& slot : plan) slot.shift_px -= mean;
+}
+
+/// At least `antialias` slots for every row: more in all where a row is open for only a part of the time.
+int FewestSlots(const ExposureOptions& options, int antialias) {
+  const double rows_part = options.exposure_ms / (options.exposure_ms + options.readout_ms);
+  const double in_all = std::ceil(antialias / std::max(rows_part, 1e-3));
+  return std::max({antialias, options.min_subframes, int(std::min<double>(in_all, options.max_subframes))});
 }
 
 }  // namespace
@@ -127,13 +145,13 @@ ShutterPlan PlanShutter(const ExposureOptions& options, int64_t stamp_ns, int an
     GAITCAM_ASSERT(motion.stamps_ns.size() >= 2 && motion.stamps_ns.size() == motion.travel_px.size());
     GAITCAM_ASSERT(motion.stamps_ns.front() == shutter.open_ns && motion.stamps_ns.back() == shutter.close_ns);
     const Progress progress(motion);
-    const int fewest = std::max(antialias, options.min_subframes), most = std::max(fewest, options.max_subframes);
+    const int fewest = FewestSlots(options, antialias), most = std::max(fewest, options.max_subframes);
     int count = std::clamp(int(std::ceil(std::min(progress.total_px() / options.max_step_px, 1e6))), fewest, most);
     for (plan = SlotsByMotion(progress, count); count < most; plan = SlotsByMotion(progress, ++count)) {
       if (LargestStep(plan, progress) <= options.max_step_px) break;
     }
   }
-  ShiftWithinPixels(motion, plan);
+  ShiftWithinPixels(motion, options.readout_ms > 0, plan);
   return plan;
 }
 
