@@ -14,6 +14,7 @@ struct RansacOptions {
   double threshold = 0.005;    ///< Largest residual of an inlier, in the residual's own unit.
   double confidence = 0.9999;  ///< Stop once a better model has been missed with less than 1 - this probability.
   int max_iterations = 300;
+  int min_iterations = 20;  ///< Among models that all have every inlier, noise decides: look at a few.
 };
 
 /// A model and who agrees with it. No inliers: no model was found.
@@ -47,6 +48,7 @@ RansacResult<Model> Ransac(int n, int sample_size, const RansacOptions& options,
   const double limit2 = options.threshold * options.threshold;
   best.score = n * limit2;
   int needed = options.max_iterations;
+  const int fewest = std::min(options.min_iterations, options.max_iterations);
   const auto judge = [&](const Model& model) {
     double score = 0;
     for (int i = 0; i < n; ++i) {
@@ -59,8 +61,8 @@ RansacResult<Model> Ransac(int n, int sample_size, const RansacOptions& options,
     for (int i = 0; i < n; ++i) {
       if (residual2(model, i) < limit2) best.inliers.push_back(i);
     }
-    needed = internal::SamplesNeeded(double(best.inliers.size()) / n, sample_size, options.confidence,
-                                     options.max_iterations);
+    needed = std::max(fewest, internal::SamplesNeeded(double(best.inliers.size()) / n, sample_size, options.confidence,
+                                                      options.max_iterations));
   };
   for (const Model& model : first_guesses) judge(model);
   if (n < sample_size) return best;

@@ -102,15 +102,17 @@ void Refine(const std::vector<PointPair>& pairs, const std::vector<int>& inliers
   motion.t = (motion.t + step[3] * equations.u + step[4] * equations.v).normalized();
 }
 
-/// sqrt of the largest eigenvalue of the direction's block of sigma^2 H^-1.
+/// Of the direction of X_AB's translation, d = -R^T t: the covariance sigma^2 H^-1 of turn and t, propagated to d.
 double DirectionSigma(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Motion& motion) {
   const NormalEquations equations(pairs, inliers, motion);
   const double sigma2 = equations.error2 / double(inliers.size() - 5);
-  const Eigen::Matrix<double, 5, 5> inverse = equations.H.inverse();
-  if (!inverse.allFinite()) return M_PI;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(inverse.bottomRightCorner<2, 2>());
-  const double largest = eigen.eigenvalues()[1];
-  return largest >= 0 ? std::min(M_PI, std::sqrt(sigma2 * largest)) : M_PI;
+  const Eigen::Matrix<double, 5, 5> covariance = sigma2 * equations.H.inverse();
+  if (!covariance.allFinite()) return M_PI;
+  Eigen::Matrix<double, 3, 5> J;  // (R exp(w))^T t = R^T t - w x R^T t to first order
+  J << Skew(motion.R.transpose() * motion.t), motion.R.transpose() * equations.u, motion.R.transpose() * equations.v;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(J * covariance * J.transpose());
+  const double largest = eigen.eigenvalues()[2];
+  return largest >= 0 ? std::min(M_PI, std::sqrt(largest)) : M_PI;
 }
 
 std::vector<int> InliersInFront(const std::vector<PointPair>& pairs, const Motion& motion, double threshold) {
@@ -122,13 +124,26 @@ std::vector<int> InliersInFront(const std::vector<PointPair>& pairs, const Motio
   return inliers;
 }
 
+/// The rotation that alone brings the rays a nearest to the rays b (Arun, Huang and Blostein, PAMI 1987).
+Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::vector<int>& inliers) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const int i : inliers) {
+    sum += pairs[size_t(i)].b.homogeneous().normalized() * pairs[size_t(i)].a.homogeneous().normalized().transpose();
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  return svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+}
+
 /// Small motions leave the two-view error with several minima, of which some trade a sideways motion for a turn
 /// (Chiuso, Brockett and Soatto, IJCV 2000). So descends from RANSAC's answer and from its rotation with each axis as
 /// direction, and keeps the lowest.
 Motion RefineFromSeveral(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Motion& found,
                          const RansacOptions& options) {
   std::vector<Motion> starts = {found};
-  for (int axis = 0; axis < 3; ++axis) starts.push_back({found.R, Eigen::Vector3d::Unit(axis)});
+  for (const Eigen::Matrix3d& R : {found.R, RotationAlone(pairs, inliers)}) {
+    for (int axis = 0; axis < 3; ++axis) starts.push_back({R, Eigen::Vector3d::Unit(axis)});
+  }
   Motion best = found;
   double lowest = std::numeric_limits<double>::infinity();
   constexpr int kSteps = 8;

@@ -16,7 +16,8 @@
 
 namespace gaitcam {
 
-// Overlapping discs of all sizes (dead leaves): edges and corners at every scale, as in natural images. With its pyramid.
+// Overlapping discs of all sizes (dead leaves): edges and corners at every scale, as in natural images. With its
+// pyramid.
 inline std::vector<cv::Mat> DeadLeaves(int size_px, uint64_t seed, const std::string& name) {
   RandomStream random(seed, name);
   cv::Mat image(size_px, size_px, CV_8UC1, cv::Scalar(128));
@@ -51,23 +52,17 @@ class SyntheticScene {
     }
   }
 
-  // One instant: 2 x 2 rays per pixel, each taking the texture at the resolution of its footprint.
-  cv::Mat Render(const CameraModel& camera, const Pose& X_WC) const {
+  // One instant, one ray per pixel, `shift_px` from its centre; each takes the texture at the resolution of its
+  // footprint.
+  cv::Mat Render(const CameraModel& camera, const Pose& X_WC, const Eigen::Vector2d& shift_px) const {
     cv::Mat image(camera.height_px, camera.width_px, CV_32FC1);
     const Eigen::Matrix3d R = X_WC.R();
-    cv::parallel_for_({0, camera.height_px}, [&](const cv::Range& rows) {
-      for (int v = rows.start; v < rows.end; ++v) {
-        for (int u = 0; u < camera.width_px; ++u) {
-          double sum = 0;
-          for (const double dv : {-0.25, 0.25}) {
-            for (const double du : {-0.25, 0.25}) {
-              sum += Shade(X_WC.translation, R * camera.Unproject({u + du, v + dv}), camera.fx);
-            }
-          }
-          image.at<float>(v, u) = float(sum / 4);
-        }
+    for (int v = 0; v < camera.height_px; ++v) {
+      for (int u = 0; u < camera.width_px; ++u) {
+        const Eigen::Vector3d ray = R * camera.Unproject(Eigen::Vector2d(u, v) + shift_px);
+        image.at<float>(v, u) = float(Shade(X_WC.translation, ray, camera.fx));
       }
-    });
+    }
     return image;
   }
 
@@ -76,7 +71,8 @@ class SyntheticScene {
     cv::Mat depth(camera.height_px, camera.width_px, CV_32FC1);
     for (int v = 0; v < depth.rows; ++v) {
       for (int u = 0; u < depth.cols; ++u) {
-        depth.at<float>(v, u) = float(Hit(X_WC.translation, X_WC.R() * camera.Unproject({double(u), double(v)})).second);
+        depth.at<float>(v, u) =
+            float(Hit(X_WC.translation, X_WC.R() * camera.Unproject({double(u), double(v)})).second);
       }
     }
     return depth;
@@ -106,7 +102,7 @@ class SyntheticScene {
     const int axis = face / 2;
     const double a = (axis == 0 ? p.y() : p.x()) + kHalf, b = (axis == 2 ? p.y() : p.z()) + (axis == 2 ? kHalf : 0);
     const double slant = std::max(std::abs(ray[axis]) / ray.norm(), 0.15);
-    const double footprint = 0.5 * t * ray.norm() / focal_px / texel_m_ / std::sqrt(slant);  // texels per ray
+    const double footprint = t * ray.norm() / focal_px / texel_m_ / std::sqrt(slant);  // texels per pixel
     const int level = std::clamp(int(std::lround(std::log2(std::max(footprint, 1.0)))), 0, int(faces_[0].size()) - 1);
     const cv::Mat& texture = faces_[size_t(face)][size_t(level)];
     const double scale = 1.0 / (texel_m_ * (1 << level));
@@ -147,10 +143,11 @@ struct Film {
   Trajectory truth;
 };
 
-// Films along `pose(t)` at 30 Hz: `subframes` instants spread over the exposure are averaged, then noise and 8 bit.
+// Films along `pose(t)` at 30 Hz: `subframes` instants spread over the exposure are averaged, each looking elsewhere
+// within the pixels, then noise and 8 bit.
 template <class PoseOfTime>
-Film FilmPath(const SyntheticScene& scene, const CameraModel& camera, int frames, PoseOfTime pose, double exposure_ms = 10,
-              int subframes = 3, double noise_grey = 1.5) {
+Film FilmPath(const SyntheticScene& scene, const CameraModel& camera, int frames, PoseOfTime pose,
+              double exposure_ms = 10, int subframes = 4, double noise_grey = 1.5) {
   Film film;
   RandomStream random(7, "film");
   for (int k = 0; k < frames; ++k) {
@@ -158,7 +155,9 @@ Film FilmPath(const SyntheticScene& scene, const CameraModel& camera, int frames
     const double t = double(stamp_ns - 1'000'000'000) * 1e-9;
     cv::Mat sum = cv::Mat::zeros(camera.height_px, camera.width_px, CV_32FC1);
     for (int i = 0; i < subframes; ++i) {
-      sum += scene.Render(camera, pose(t + 1e-3 * exposure_ms * ((i + 0.5) / subframes - 0.5))) / subframes;
+      const Pose X_WC = pose(t + 1e-3 * exposure_ms * ((i + 0.5) / subframes - 0.5));
+      sum +=
+          scene.Render(camera, X_WC, {i % 2 - 0.5 < 0 ? -0.25 : 0.25, (i + i / 2) % 2 == 0 ? -0.25 : 0.25}) / subframes;
     }
     for (float& grey : cv::Mat_<float>(sum)) grey += float(random.Normal(0, noise_grey));
     Observation observation;
