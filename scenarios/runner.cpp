@@ -20,7 +20,7 @@ namespace {
 /// The report's film: a frame of it whenever the simulated time has come round to it.
 class Film {
  public:
-  Film(const FilmOptions& options, const std::filesystem::path& file) : options_(options) {
+  Film(const ReportFilmOptions& options, const std::filesystem::path& file) : options_(options) {
     if (options.enabled) writer_.emplace(file, VideoOptions{options.rate_hz, options.height_px});
   }
 
@@ -44,7 +44,7 @@ class Film {
   }
 
  private:
-  FilmOptions options_;
+  ReportFilmOptions options_;
   std::optional<VideoWriter> writer_;
   cv::Mat poster_;
 };

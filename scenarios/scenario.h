@@ -45,7 +45,7 @@ void ReadYaml(const YamlNode& node, SystemChoice& value);
 void WriteYaml(YAML::Emitter& out, const SystemChoice& value);
 
 /// `video:` the short film that goes with a report.
-struct FilmOptions {
+struct ReportFilmOptions {
   using DescribedTag = void;
   bool enabled = true;
   double rate_hz = 15;  ///< Frames of the film per second of the walk.
@@ -53,7 +53,7 @@ struct FilmOptions {
 };
 
 template <class Visitor>
-void VisitFields(Visitor& visit, FilmOptions& o) {
+void VisitFields(Visitor& visit, ReportFilmOptions& o) {
   visit("enabled", o.enabled, Nested(), "write walk.mp4");
   visit("rate_hz", o.rate_hz, Between(1, 60), "film frames per second of the walk");
   visit("height_px", o.height_px, Between(120, 1080), "height of the film");
@@ -77,7 +77,7 @@ struct Scenario {
   SensorOptions sensors;
   SystemChoice system;
   ScoreOptions score;
-  FilmOptions video;
+  ReportFilmOptions video;
 };
 
 template <class Visitor>

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <iterator>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 
 #include "algorithms/core/errors.h"
@@ -151,13 +150,12 @@ class MjcfWriter {
     if (written_textures_.size() > 99) {
       throw BadInput(place_.file.string() + ": more than 99 textures; MuJoCo cannot draw so many");
     }
-    std::vector<unsigned char> png;
-    cv::imencode(".png", place_.textures[texture].bgr, png, {cv::IMWRITE_PNG_COMPRESSION, 1});
-    AddFile(name + ".png", std::move(png));
+    const cv::Mat& picture = place_.textures[texture].bgr;
+    bundle_.pictures.emplace_back(name, picture);
     assets_ += fmt::format(
-        "<texture name='{0}' type='2d' file='{0}.png'/>\n"
+        "<texture name='{0}' type='2d' builtin='flat' width='{1}' height='{2}'/>\n"
         "<material name='{0}' texture='{0}' specular='0' shininess='0' reflectance='0'/>\n",
-        name);
+        name, picture.cols, picture.rows);
     return name;
   }
 

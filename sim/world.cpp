@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
+#include <opencv2/imgproc.hpp>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
@@ -45,6 +46,15 @@ int Id(const mjModel* model, mjtObj kind, const std::string& name) {
 /// Whether a shape belongs to the place: to the world, or to a body that is fixed to it.
 bool IsOfPlace(const mjModel* model, int geom) { return model->body_weldid[model->geom_bodyid[geom]] == 0; }
 
+/// Row 0 of a texture is the top row of its picture, as when MuJoCo reads a PNG.
+void CopyPicture(const cv::Mat& bgr, const std::string& texture, mjModel* model) {
+  const int id = Id(model, mjOBJ_TEXTURE, texture);
+  GAITCAM_ASSERT(bgr.type() == CV_8UC3 && bgr.cols == model->tex_width[id] && bgr.rows == model->tex_height[id]);
+  cv::Mat rgb(bgr.size(), CV_8UC3, model->tex_rgb + model->tex_adr[id]);
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  GAITCAM_ASSERT(rgb.data == model->tex_rgb + model->tex_adr[id]);
+}
+
 }  // namespace
 
 MjModelPtr CompileMjcf(const MjcfBundle& bundle, const std::string& name) {
@@ -60,6 +70,7 @@ MjModelPtr CompileMjcf(const MjcfBundle& bundle, const std::string& name) {
     std::replace(words.begin(), words.end(), '\n', ' ');
     throw BadInput(name + ": MuJoCo refuses the model: " + words);
   }
+  for (const auto& [texture, picture] : bundle.pictures) CopyPicture(picture, texture, model.get());
   return model;
 }
 

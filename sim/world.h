@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,9 @@ class MotionRecord {
 struct MjcfBundle {
   std::string xml;
   std::vector<std::pair<std::string, std::vector<unsigned char>>> files;  ///< Lower-case names without folders.
+  /// Pictures by the name of their texture, CV_8UC3 (BGR); the XML reserves room for each. Copied as they are: no PNG
+  /// is packed here only for MuJoCo to unpack it.
+  std::vector<std::pair<std::string, cv::Mat>> pictures;
 };
 
 /// One camera to be put on the robot: extrinsics relative to the robot's camera mount.
