@@ -29,7 +29,7 @@ Eigen::Vector3d MassModel::CenterOfMass(const std::vector<double>& joints) {
   }
   mj_kinematics(model_, data_.get());
   mj_comPos(model_, data_.get());
-  return Eigen::Map<const Eigen::Vector3d>(data_->subtree_com + 3 * root_body_);
+  return Eigen::Map<const Eigen::Vector3d>(data_->subtree_com + 3 * ptrdiff_t(root_body_));
 }
 
 std::vector<double> MassModel::HoldingTorques(const std::array<Contact, 2>& contacts,
@@ -42,7 +42,8 @@ std::vector<double> MassModel::HoldingTorques(const std::array<Contact, 2>& cont
   for (int side = 0; side < 2; ++side) {
     for (const int joint : leg_joints[side]) {
       const int id = joint_id_[size_t(joint)];
-      const Eigen::Map<const Eigen::Vector3d> axis(data_->xaxis + 3 * id), anchor(data_->xanchor + 3 * id);
+      const Eigen::Map<const Eigen::Vector3d> axis(data_->xaxis + 3 * ptrdiff_t(id)),
+          anchor(data_->xanchor + 3 * ptrdiff_t(id));
       torques[size_t(joint)] -= axis.dot((contacts[side].point - anchor).cross(contacts[side].force));
     }
   }

@@ -66,11 +66,11 @@ class Walker : public Controller {
     const bool single_support = plan.stance >= 0 && plan.load[size_t(plan.stance)] == 1;
     // Servos settle at first; then nothing moves, and what the gyroscope shows is its bias.
     const double time = plan_.pattern.time();
-    const bool at_rest = time > 0.5 * path_.settle_s && time < path_.settle_s && path_.kind != "stand";
+    const bool at_rest = time > 0.5 * path_.settle_s && time < path_.settle_s;
     estimator_.Update(input.imu, input.joints.position, period_s_, single_support ? plan.stance : -1, at_rest,
                       plan_.posture.mass_model());
     if (path_.feedback == "none" || !solution_) return;
-    if (path_.feedback == "truth" && !input.X_WB) throw BadOption("path.feedback: truth was asked for but not given");
+    GAITCAM_ASSERT(path_.feedback != "truth" || input.X_WB.has_value());
     const Pose& measured = path_.feedback == "truth" ? *input.X_WB : estimator_.X_OB();
     course_.Add(PlanarPose(measured), PlanarPose(solution_->X_PB));
   }
