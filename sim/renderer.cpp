@@ -30,6 +30,15 @@ void SetOnly(mjtByte* flags, int count, std::initializer_list<int> on) {
   for (const int flag : on) flags[flag] = 1;
 }
 
+/// From a point to the nearest point of a box, or of a geom's bounding sphere; about 0 for a plane below it.
+float DistanceTo(const mjvGeom& geom, const Eigen::Vector3d& point) {
+  const Eigen::Vector3f offset = point.cast<float>() - Eigen::Vector3f(geom.pos[0], geom.pos[1], geom.pos[2]);
+  if (geom.type != mjGEOM_BOX) return offset.norm() - geom.modelrbound;
+  const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(geom.mat);
+  const Eigen::Vector3f beyond = ((R.transpose() * offset).cwiseAbs() - Eigen::Map<const Eigen::Vector3f>(geom.size));
+  return beyond.cwiseMax(0).norm();
+}
+
 }  // namespace
 
 /// The few OpenGL calls that MuJoCo does not wrap, or wraps with a detour.
@@ -166,12 +175,17 @@ void Renderer::SetCamera(const Pose& X_WC, const CameraModel& camera, const Eige
   scene_.camera[1] = gl;
 }
 
-void Renderer::SelectVisible(const Frustum& frustum) {
-  scene_.ngeom = 0;
-  for (const mjvGeom& geom : geoms_) {
+void Renderer::SelectVisible(const Frustum& frustum, const Eigen::Vector3d& eye) {
+  order_.clear();
+  for (size_t i = 0; i < geoms_.size(); ++i) {
     // What is beside the picture may still throw its shadow into it.
-    if (options_.shadows || frustum.MaySee(geom)) scene_.geoms[scene_.ngeom++] = geom;
+    if (!options_.shadows && !frustum.MaySee(geoms_[i])) continue;
+    order_.emplace_back(DistanceTo(geoms_[i], eye), int(i));
   }
+  // Near things first: what they hide is then not shaded at all.
+  std::sort(order_.begin(), order_.end());
+  scene_.ngeom = 0;
+  for (const auto& [distance, index] : order_) scene_.geoms[scene_.ngeom++] = geoms_[index];
 }
 
 void Renderer::Draw(mjData& data, const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px) {
@@ -183,7 +197,7 @@ void Renderer::Draw(mjData& data, const Pose& X_WC, const CameraModel& camera, c
   SetCamera(X_WC, camera, shift_px);
   if (follows_camera_) Update(data);
   mjv_makeLights(model_, &data, &scene_);
-  SelectVisible(Frustum(X_WC, camera, options_.near_m));
+  SelectVisible(Frustum(X_WC, camera, options_.near_m), X_WC.translation);
   mjr_setBuffer(mjFB_OFFSCREEN, &context_);
   mjr_render(viewport_, &scene_, &context_);
 }

@@ -13,6 +13,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "algorithms/core/camera.h"
@@ -68,7 +69,7 @@ class Renderer {
 
   void MakeContext(int width_px, int height_px);
   void SetCamera(const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px);
-  void SelectVisible(const Frustum& frustum);
+  void SelectVisible(const Frustum& frustum, const Eigen::Vector3d& eye);
 
   const mjModel* model_;
   RendererOptions options_;
@@ -76,9 +77,10 @@ class Renderer {
   mjvOption visual_;
   mjvScene scene_;
   mjrContext context_;
-  std::vector<mjvGeom> geoms_;   ///< All that is visible from somewhere; scene_.geoms holds what is in the picture.
-  std::vector<int> moving_;      ///< Indices into geoms_.
-  bool follows_camera_ = false;  ///< An infinite plane is centred anew under each camera.
+  std::vector<mjvGeom> geoms_;  ///< All that is visible from somewhere; scene_.geoms holds what is in the picture.
+  std::vector<std::pair<float, int>> order_;  ///< Distance and index of what is in the picture.
+  std::vector<int> moving_;                   ///< Indices into geoms_.
+  bool follows_camera_ = false;               ///< An infinite plane is centred anew under each camera.
   mjrRect viewport_{0, 0, 0, 0};
 };
 
