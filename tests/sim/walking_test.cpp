@@ -30,8 +30,8 @@ TEST_P(EveryHumanoid, WalksStraightToItsGoalAndStands) {
   // Root over the path's end: steps end within 2 mm of it as planned; what slips since the last step was planned, and
   // the sway, are some centimetres.
   EXPECT_NEAR(walk.end.position.x(), 2, 0.06);
-  EXPECT_LT(Worst(walk.path_error_m), 0.15);
-  EXPECT_LT(walk.most_tilt_rad, 0.2);
+  EXPECT_LT(Worst(walk.path_error_m), 0.06);  // twice what the walking matrix shows over 20 m
+  EXPECT_LT(walk.most_tilt_rad, 0.12);        // likewise, robovie_m's 3.5 degrees
 }
 
 INSTANTIATE_TEST_SUITE_P(Walking, EveryHumanoid, testing::Values("khr1hv", "robovie_m", "nimbro"));
@@ -42,8 +42,8 @@ TEST(Walking, BriskAroundACircleKeepsToIt) {
   options.path.diameter_m = 1;
   const WalkTrialResult walk = RunWalkTrial(options);
   EXPECT_TRUE(walk.finished);
-  EXPECT_NEAR(walk.end.position.norm(), 0, 0.2);
-  EXPECT_LT(Worst(walk.path_error_m), 0.2);
+  EXPECT_NEAR(walk.end.position.norm(), 0, 0.12);
+  EXPECT_LT(Worst(walk.path_error_m), 0.12);  // a circle four times tighter than the matrix's, where it is 4 cm
   EXPECT_GT(walk.speed_m_s, 0.15);
 }
 
@@ -57,14 +57,25 @@ TEST(Walking, TurnsOnTheSpotAndComesBack) {
   EXPECT_NEAR(std::abs(walk.end.heading), 3.14159, 0.2);
 }
 
+TEST(Walking, StandsAndLooksAroundWithoutMovingItsFeet) {
+  WalkTrialOptions options = Trial("nimbro", "normal");
+  options.path.kind = "stand";
+  options.path.duration_s = 4;
+  const WalkTrialResult stand = RunWalkTrial(options);
+  EXPECT_TRUE(stand.finished);
+  EXPECT_NEAR(stand.end_s, 6, 0.01);
+  EXPECT_LT(stand.most_tilt_rad, 0.03);
+  EXPECT_LT(stand.end.position.norm(), 0.02);  // the root leans over the middle of the soles, no more
+}
+
 TEST(Walking, OdometrySteersBetterThanNothing) {
-  // Heavier on one side: open loop the robot drifts off; its own odometry, with a gyroscope, notices most of that.
+  // Masses and friction are off: open loop the robot drifts off; its own odometry, with a gyroscope, notices most of
+  // that.
   WalkTrialOptions options = Trial("khr1hv", "normal");
-  options.path.length_m = 3;
   double error[2] = {0, 0};
   for (const bool odometry : {false, true}) {
     options.path.feedback = odometry ? "odometry" : "none";
-    for (options.seed = 1; options.seed <= 3; ++options.seed) {
+    for (options.seed = 1; options.seed <= 2; ++options.seed) {
       const WalkTrialResult walk = RunWalkTrial(options);
       EXPECT_TRUE(walk.finished);
       error[odometry] += std::abs(walk.end.position.y());
