@@ -101,7 +101,8 @@ RigFrame CameraRig::Expose(Renderer& renderer, const MotionRecord& record, int64
   RigFrame result;
   result.left = cameras_[0].Expose(renderer, record, stamp_ns, wanted, noise(0));
   if (options_.depth) result.depth = Image{stamp_ns, result.left.truth.depth};
-  if (cameras_.size() > 1) result.right = cameras_[1].Expose(renderer, record, stamp_ns, truth, noise(1));
+  constexpr TruthOptions kPosesOnly{false, false, false};
+  if (cameras_.size() > 1) result.right = cameras_[1].Expose(renderer, record, stamp_ns, kPosesOnly, noise(1));
   return result;
 }
 

@@ -86,9 +86,9 @@ void VisitFields(Visitor& visit, CameraOptions& o) {
 
 /// What a rig films in one frame.
 struct RigFrame {
-  ExposedFrame left;  ///< Or the only camera.
-  std::optional<ExposedFrame> right;
-  std::optional<Image> depth;  ///< CV_32FC1, m, of the left camera at mid-exposure.
+  ExposedFrame left;                  ///< Or the only camera.
+  std::optional<ExposedFrame> right;  ///< Stereo rigs only; of its truth, poses and sub-frames.
+  std::optional<Image> depth;         ///< CV_32FC1, m, of the left camera at mid-exposure.
 };
 
 class CameraRig {
@@ -108,7 +108,7 @@ class CameraRig {
   ShutterInterval Shutter(int64_t stamp_ns) const { return WholeShutter(options_.exposure, stamp_ns); }
 
   /// Films frame number `frame` at FrameStamp(frame). Its noise depends on the seed and this number alone.
-  /// @param record covers Shutter(FrameStamp(frame)).
+  /// @param record covers Shutter(FrameStamp(frame)). @param truth what to make for the left camera.
   RigFrame Expose(Renderer& renderer, const MotionRecord& record, int64_t frame, const TruthOptions& truth);
 
   const CameraOptions& options() const { return options_; }

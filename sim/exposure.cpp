@@ -190,17 +190,12 @@ ExposedFrame ExposingCamera::Expose(Renderer& renderer, const MotionRecord& reco
                                     const TruthOptions& wanted, RandomStream noise) {
   ExposedFrame frame;
   ExposureTruth& truth = frame.truth;
-  const bool measures = options_.exposure.fixed_subframes == 0;
-  std::optional<Middle> middle;
-  MotionProfile motion;
-  if (measures || wanted.sharp || wanted.depth || wanted.blur) {
-    middle = SeeMiddle(renderer, record, stamp_ns, wanted.sharp);
-  } else {
-    At(record, stamp_ns);
-    renderer.Update(*data_);
-  }
+  // What is seen and how it moves decides where sub-frames look, so it is measured whatever truth is asked for: the
+  // image must not depend on that.
+  const Middle middle = SeeMiddle(renderer, record, stamp_ns, wanted.sharp);
   const ShutterInterval whole = WholeShutter(options_.exposure, stamp_ns);
-  if (middle && whole.close_ns > whole.open_ns) motion = MeasureMotion(record, whole, *middle->points);
+  MotionProfile motion;
+  if (whole.close_ns > whole.open_ns) motion = MeasureMotion(record, whole, *middle.points);
   const ShutterPlan plan = PlanShutter(options_.exposure, stamp_ns, options_.antialias, motion);
 
   std::vector<SceneInstant> instants;
@@ -209,12 +204,11 @@ ExposedFrame ExposingCamera::Expose(Renderer& renderer, const MotionRecord& reco
 
   const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);
   truth.X_WC_open = At(record, own.open_ns).X_WC;
-  truth.X_WC = At(record, stamp_ns).X_WC;
+  truth.X_WC = middle.instant.X_WC;
   truth.X_WC_close = At(record, own.close_ns).X_WC;
-  if (!middle) return frame;
-  if (wanted.sharp) truth.sharp = sensor_.DevelopNoiseless(middle->sharp);
-  if (wanted.depth) truth.depth = middle->depth;
-  DescribeBlur(record, stamp_ns, *middle, instants, wanted.blur, truth);
+  if (wanted.sharp) truth.sharp = sensor_.DevelopNoiseless(middle.sharp);
+  if (wanted.depth) truth.depth = middle.depth;
+  DescribeBlur(record, stamp_ns, middle, instants, wanted.blur, truth);
   return frame;
 }
 

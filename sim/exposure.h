@@ -50,12 +50,13 @@ struct ExposedFrame {
   ExposureTruth truth;
 };
 
-/// Which costly pieces of truth to make. Poses and sub-frames come always.
+/// Which costly pieces of truth to make. Poses, sub-frames and path lengths come always; the image is the same either
+/// way.
 struct TruthOptions {
   using DescribedTag = void;
   bool sharp = true;  ///< Costs as many renders as CameraOptions::antialias.
-  bool depth = true;  ///< Costs one render, shared with `sharp` and `blur`.
-  bool blur = true;   ///< Blur vectors and path lengths.
+  bool depth = true;
+  bool blur = true;  ///< Blur vectors at every pixel.
 };
 
 template <class Visitor>

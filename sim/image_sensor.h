@@ -4,10 +4,10 @@
 /// A display-white surface (light 1) frees E = full_well_e * min(1, t / t_ref) electrons ("auto" gain) or
 /// full_well_e * t / t_ref ("fixed") during the exposure t. A pixel of light L then reads
 ///   e = L E + noise * sqrt(L E + read_noise_e^2) * n,  n standard normal,
-/// clipped to the full well, amplified by the gain (full_well_e / E when auto, 1 when fixed) and digitised. The normal
-/// distribution stands in for Poisson's, which differs from it only where the read noise hides the difference.
-/// Auto gain never attenuates: at exposures above t_ref the lens is closed further until white just fills the well.
-/// An exposure of 0 stands for one instant with the reference exposure's light.
+/// clipped to the full well, amplified by the gain (full_well_e / E when auto, 1 when fixed) and digitised to 12 bits.
+/// The normal distribution stands in for Poisson's, which differs from it only where the read noise hides the
+/// difference. Auto gain never attenuates: at exposures above t_ref the lens is closed further until white just fills
+/// the well. An exposure of 0 stands for one instant with the reference exposure's light.
 
 #pragma once
 
