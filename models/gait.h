@@ -2,10 +2,9 @@
 
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "algorithms/core/fields.h"
 
@@ -20,12 +19,12 @@ struct GaitOptions {
   double lift_m = 0.02;               ///< Height of the swing foot's sole at mid-swing.
   double double_support_ratio = 0.2;  ///< Part of the period with both feet on the floor.
   double foot_spacing_m = 0.08;       ///< Lateral distance between the ankles.
-  double landing_offset_m = 0.0;      ///< Height of the swing foot's target at touch-down; negative pushes into the floor.
-  double crouch_m = 0.015;            ///< Hip height given up against stretched legs.
-  double servo_stiffness = 1.0;       ///< Factor on the leg servos' gains of the robot file.
-  double neck_stiffness = 1.0;        ///< Factor on the neck servos' gains.
-  double asymmetry_ratio = 0.0;       ///< Step length of left steps times (1 + a), of right steps times (1 - a).
-  double arm_swing_rad = 0.0;         ///< Amplitude of the shoulders' counter-swing.
+  double landing_offset_m = 0.0;  ///< Height of the swing foot's target at touch-down; negative pushes into the floor.
+  double crouch_m = 0.015;        ///< Hip height given up against stretched legs.
+  double servo_stiffness = 1.0;   ///< Factor on the leg servos' gains of the robot file.
+  double neck_stiffness = 1.0;    ///< Factor on the neck servos' gains.
+  double asymmetry_ratio = 0.0;   ///< Step length of left steps times (1 + a), of right steps times (1 - a).
+  double arm_swing_rad = 0.0;     ///< Amplitude of the shoulders' counter-swing.
 };
 
 template <class Visitor>
@@ -39,7 +38,8 @@ void VisitFields(Visitor& visit, GaitOptions& o) {
   visit("crouch_m", o.crouch_m, Between(0.001, 0.3), "hip height given up against stretched legs");
   visit("servo_stiffness", o.servo_stiffness, Between(0.05, 10.0), "factor on the leg servos' gains");
   visit("neck_stiffness", o.neck_stiffness, Between(0.01, 10.0), "factor on the neck servos' gains");
-  visit("asymmetry_ratio", o.asymmetry_ratio, Between(-0.5, 0.5), "left steps longer, right steps shorter by this part");
+  visit("asymmetry_ratio", o.asymmetry_ratio, Between(-0.5, 0.5),
+        "left steps longer, right steps shorter by this part");
   visit("arm_swing_rad", o.arm_swing_rad, Between(0.0, 1.5), "amplitude of the shoulders' counter-swing");
 }
 

@@ -13,21 +13,22 @@
 
 namespace gaitcam {
 
-/// What a controller may know at one instant: sensor readings, with their noise. Truth only where the scenario grants it.
+/// What a controller may know at one instant: sensor readings, with their noise. Truth only where the scenario grants
+/// it.
 struct ControlInput {
   int64_t stamp_ns = 0;
   ImuSample imu;
   JointSample joints;
-  std::optional<Pose> X_WB;   ///< The root's true pose, when `path.feedback: truth`; steering uses x, y and yaw of it.
+  std::optional<Pose> X_WB;  ///< The root's true pose, when `path.feedback: truth`; steering uses x, y and yaw of it.
 };
 
 enum class SupportPhase { kDouble, kLeft, kRight };
 
 /// Where in the gait a robot is; goes into the truth of every frame.
 struct GaitState {
-  int step = -1;                                ///< Index of the current step; -1 while standing.
-  double phase = 0;                             ///< 0..1 within the step.
-  SupportPhase support = SupportPhase::kDouble; ///< As planned.
+  int step = -1;                                 ///< Index of the current step; -1 while standing.
+  double phase = 0;                              ///< 0..1 within the step.
+  SupportPhase support = SupportPhase::kDouble;  ///< As planned.
 };
 
 class Controller {

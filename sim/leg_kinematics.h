@@ -39,9 +39,9 @@ class LegKinematics {
   void ToJoints(const LegAngles& angles, std::vector<double>& joints) const;
 
   const std::array<int, 6>& joints() const { return joints_; }  ///< Indices into Robot::joints.
-  const Eigen::Vector3d& hip() const { return hip_; }  ///< In B, m.
-  double reach() const { return thigh_ + shank_; }     ///< Hip to ankle, stretched, m.
-  double ankle_height() const { return -sole_.z(); }   ///< Over the sole, m.
+  const Eigen::Vector3d& hip() const { return hip_; }           ///< In B, m.
+  double reach() const { return thigh_ + shank_; }              ///< Hip to ankle, stretched, m.
+  double ankle_height() const { return -sole_.z(); }            ///< Over the sole, m.
   /// The middle of the sole in A, m.
   const Eigen::Vector3d& sole() const { return sole_; }
   const Eigen::Vector2d& sole_size() const { return sole_size_; }
