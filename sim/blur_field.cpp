@@ -35,9 +35,9 @@ SceneInstant CaptureInstant(const mjModel* model, const mjData& data, int camera
   instant.stamp_ns = stamp_ns;
   instant.X_WC = CameraPose(data, camera_id);
   for (int body = 0; body < model->nbody; ++body) {
-    const mjtNum* q = data.xquat + 4 * body;
+    const mjtNum* q = data.xquat + ptrdiff_t{4} * body;
     instant.X_WB.emplace_back(Eigen::Quaterniond(q[0], q[1], q[2], q[3]),
-                              Eigen::Map<const Eigen::Vector3d>(data.xpos + 3 * body));
+                              Eigen::Map<const Eigen::Vector3d>(data.xpos + ptrdiff_t{3} * body));
   }
   return instant;
 }
@@ -58,7 +58,7 @@ SeenPoints::SeenPoints(const cv::Mat& rays, const cv::Mat& depth, const cv::Mat&
   };
   for (const int row : picks(rays.rows)) {
     for (const int col : picks(rays.cols)) {
-      const cv::Vec2f ray = rays.at<cv::Vec2f>(row, col);
+      const cv::Vec2f& ray = rays.at<cv::Vec2f>(row, col);
       const float z = depth.at<float>(row, col);
       p_C_.push_back(Eigen::Vector3d(ray[0], ray[1], 1) * (z > 0 ? double(z) : kInfinitely));
       body_.push_back(bodies.empty() ? 0 : bodies.at<int>(row, col));
@@ -101,7 +101,7 @@ cv::Mat BlurVectors(const CameraModel& camera, const cv::Mat& rays, const cv::Ma
       }
     }
     for (int col = 0; col < rays.cols; ++col) {
-      const cv::Vec2f ray = rays.at<cv::Vec2f>(row, col);
+      const cv::Vec2f& ray = rays.at<cv::Vec2f>(row, col);
       const float z = depth.at<float>(row, col);
       const auto& [open, close] = movers[bodies.empty() ? 0 : bodies.at<int>(row, col)];
       const Eigen::Vector3f p = Eigen::Vector3f(ray[0], ray[1], 1) * (z > 0 ? z : float(kInfinitely));
@@ -125,7 +125,7 @@ PathLengths MeasurePaths(const CameraModel& camera, const SeenPoints& points,
   std::erase_if(lengths, [](double length) { return !std::isfinite(length); });
   if (lengths.empty()) return {};
   std::sort(lengths.begin(), lengths.end());
-  const auto quantile = [&](double q) { return lengths[size_t(q * double(lengths.size() - 1) + 0.5)]; };
+  const auto quantile = [&](double q) { return lengths[size_t(std::lround(q * double(lengths.size() - 1)))]; };
   return {quantile(0.5), quantile(0.9), lengths.back()};
 }
 

@@ -145,6 +145,7 @@ cv::Mat ExposingCamera::Integrate(Renderer& renderer, const MotionRecord& record
                                   ExposureTruth& truth, std::vector<SceneInstant>& instants, int64_t stamp_ns) {
   const CameraModel& camera = lens_.camera();
   std::vector<std::vector<float>> weights;  // by row, then slot
+  weights.reserve(size_t(camera.height_px));
   for (int row = 0; row < camera.height_px; ++row) {
     weights.push_back(RowWeights(options_.exposure, stamp_ns, plan, row, camera.height_px));
   }
@@ -200,7 +201,7 @@ ExposedFrame ExposingCamera::Expose(Renderer& renderer, const MotionRecord& reco
 
   std::vector<SceneInstant> instants;
   const cv::Mat light = Integrate(renderer, record, plan, truth, instants, stamp_ns);
-  frame.image = {stamp_ns, sensor_.Develop(light, std::move(noise))};
+  frame.image = {stamp_ns, sensor_.Develop(light, noise)};
 
   const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);
   truth.X_WC_open = At(record, own.open_ns).X_WC;

@@ -13,6 +13,7 @@ namespace {
 constexpr int kResponseSteps = 1 << 16;
 constexpr int kNormals = 1 << 16;
 constexpr float kConverterSteps = 4095;  // 12 bits
+constexpr float kHalf = 0.5f;            // added before truncation, it rounds what is not negative
 
 /// Means of the standard normal distribution over `count` equally likely intervals, then scaled to unit variance.
 std::vector<float> MakeNormals(int count) {
@@ -96,7 +97,7 @@ cv::Mat ImageSensor::Develop(const cv::Mat& light, RandomStream noise) const {
       const float mean = std::max(from[i], 0.f) * white;
       const float electrons = mean + factor * std::sqrt(mean + read_variance) * normal[i];
       const float code = std::min(std::max(std::min(electrons, well), 0.f) * to_code, kConverterSteps);
-      step[i] = int(float(int(code + 0.5f)) * to_step + 0.5f);
+      step[i] = int(float(int(code + kHalf)) * to_step + kHalf);
     }
     uint8_t* to = image.ptr<uint8_t>(row);
     for (int i = 0; i < count; ++i) to[i] = response_[step[i]];
@@ -113,7 +114,7 @@ cv::Mat ImageSensor::DevelopNoiseless(const cv::Mat& light) const {
     uint8_t* to = image.ptr<uint8_t>(row);
     for (int i = 0; i < channels.cols * channels.channels(); ++i) {
       const float value = gain * std::clamp(from[i] * white, 0.f, well) / well;
-      to[i] = response_[int(std::min(value, 1.f) * kResponseSteps + 0.5f)];
+      to[i] = response_[int(std::min(value, 1.f) * kResponseSteps + kHalf)];
     }
   }
   return image;

@@ -51,7 +51,7 @@ CameraModel CoveringPinhole(const cv::Mat& rays, double f, int margin) {
   double left = std::numeric_limits<double>::max(), top = left, right = -left, bottom = -left;
   for (int v = 0; v < rays.rows; ++v) {
     for (int u = 0; u < rays.cols; ++u) {
-      const cv::Vec2f ray = rays.at<cv::Vec2f>(v, u);
+      const cv::Vec2f& ray = rays.at<cv::Vec2f>(v, u);
       left = std::min(left, double(ray[0]));
       right = std::max(right, double(ray[0]));
       top = std::min(top, double(ray[1]));
@@ -118,7 +118,7 @@ cv::Mat Lens::WarpLabels(const cv::Mat& labels) const {
   for (int v = 0; v < warped.rows; ++v) {
     for (int u = 0; u < warped.cols; ++u) {
       const cv::Vec2f at = map_.at<cv::Vec2f>(v, u);
-      warped.at<int>(v, u) = labels.at<int>(int(at[1] + 0.5f), int(at[0] + 0.5f));
+      warped.at<int>(v, u) = labels.at<int>(int(std::lround(at[1])), int(std::lround(at[0])));
     }
   }
   return warped;

@@ -93,7 +93,7 @@ void LightAccumulator::AddBent(const cv::Mat& bgrx_bottom_up, const cv::Mat& map
       const float x = at[0] - shift_x, y = at[1] - shift_y;
       const int left = int(x), top = int(y);
       const float s = x - float(left), t = (y - float(top)) * weight;
-      const uint8_t* upper = bgrx_bottom_up.ptr<uint8_t>(bgrx_bottom_up.rows - 1 - top) + 4 * left;
+      const uint8_t* upper = bgrx_bottom_up.ptr<uint8_t>(bgrx_bottom_up.rows - 1 - top) + ptrdiff_t{4} * left;
       const uint8_t* lower = upper - bgrx_bottom_up.step;
       const float w[4] = {(1 - s) * (weight - t), s * (weight - t), (1 - s) * t, s * t};
       for (int c = 0; c < 3; ++c) {
@@ -106,6 +106,7 @@ void LightAccumulator::AddBent(const cv::Mat& bgrx_bottom_up, const cv::Mat& map
 
 cv::Mat EncodeSrgb(const cv::Mat& light) {
   constexpr int kSteps = 1 << 16;  // finer than 1/20 of a grey level even where the curve is steepest
+  constexpr float kHalf = 0.5f;    // rounds what is not negative
   static const std::vector<uint8_t> table = [] {
     std::vector<uint8_t> codes(kSteps + 1);
     for (int i = 0; i <= kSteps; ++i) codes[i] = uint8_t(std::lround(255 * LinearToSrgb(double(i) / kSteps)));
@@ -117,7 +118,7 @@ cv::Mat EncodeSrgb(const cv::Mat& light) {
     const float* from = light.ptr<float>(row);
     uint8_t* to = image.ptr<uint8_t>(row);
     for (int i = 0; i < light.cols * light.channels(); ++i) {
-      to[i] = table[int(std::clamp(from[i], 0.f, 1.f) * kSteps + 0.5f)];
+      to[i] = table[int(std::clamp(from[i], 0.f, 1.f) * kSteps + kHalf)];
     }
   }
   return image;

@@ -141,7 +141,7 @@ void Renderer::Update(mjData& data) {
       geom.segid = body;
       moving_.push_back(int(i));
     }
-    const mjtNum* size = model_->geom_size + 3 * geom.objid;
+    const mjtNum* size = model_->geom_size + ptrdiff_t{3} * geom.objid;
     if (geom.type == mjGEOM_PLANE && (size[0] <= 0 || size[1] <= 0)) follows_camera_ = true;
   }
 }
@@ -271,9 +271,10 @@ Pose LookAt(const Eigen::Vector3d& point, double distance_m, double azimuth_rad,
 
 Pose CameraPose(const mjData& data, int camera_id) {
   const Eigen::Matrix3d R_gl =
-      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data.cam_xmat + 9 * camera_id);
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data.cam_xmat + ptrdiff_t{9} * camera_id);
   const Eigen::Vector3d flip(1, -1, -1);  // OpenGL's cameras look along -z with y up
-  return {Eigen::Matrix3d(R_gl * flip.asDiagonal()), Eigen::Map<const Eigen::Vector3d>(data.cam_xpos + 3 * camera_id)};
+  return {Eigen::Matrix3d(R_gl * flip.asDiagonal()),
+          Eigen::Map<const Eigen::Vector3d>(data.cam_xpos + ptrdiff_t{3} * camera_id)};
 }
 
 int FindCamera(const mjModel* model, const std::string& name) {
