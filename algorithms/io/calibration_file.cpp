@@ -76,7 +76,7 @@ class YamlMap {
   }
 
  private:
-  YamlMap(std::string file, YAML::Node node) : file_(std::move(file)), node_(std::move(node)) {}
+  YamlMap(std::string file, const YAML::Node& node) : file_(std::move(file)), node_(node) {}
 
   YAML::Node Required(const std::string& key) const {
     const YAML::Node child = node_[key];
