@@ -95,7 +95,8 @@ cv::Mat BlurVectors(const CameraModel& camera, const cv::Mat& rays, const cv::Ma
     if (band != current) {
       current = band;
       movers.clear();
-      for (size_t body = 0; body < middle.X_WB.size(); ++body) {
+      const size_t seen = bodies.empty() ? 1 : middle.X_WB.size();
+      for (size_t body = 0; body < seen; ++body) {
         movers.emplace_back(Mover(RelativeMotion(middle, bands[band].first, int(body))),
                             Mover(RelativeMotion(middle, bands[band].second, int(body))));
       }

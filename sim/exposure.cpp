@@ -13,7 +13,7 @@ namespace gaitcam {
 namespace {
 
 constexpr int kPointsAcross = 24;     // points followed per image row to find the fastest
-constexpr int kRollingBands = 16;     // bands of rows whose blur vectors share one interval
+constexpr int kRollingBands = 64;     // bands of rows whose blur vectors share one interval
 constexpr int64_t kLookNs = 1000000;  // the motion is measured at least this often
 
 /// Principal axis and median length of the points' motions.
