@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "algorithms/core/random.h"
+#include "algorithms/features/features.h"
 #include "algorithms/features/matching.h"
-#include "algorithms/features/sift.h"
 #include "algorithms/geometry/absolute_pose.h"
 #include "algorithms/geometry/triangulation.h"
 #include "algorithms/geometry/two_view.h"
@@ -104,12 +104,9 @@ View SiftVo::Tracker::Look(const cv::Mat& image) const {
                    std::to_string(camera_.height_px));
   }
   View view;
-  SiftOptions sift;
-  sift.max_features = options_.max_features;
-  sift.contrast_threshold = options_.contrast_threshold;
-  view.features = DetectSift(image, sift);
-  for (const cv::Point2f& pixel : view.features.pixels) {
-    view.xy.push_back(camera_.Unproject({pixel.x, pixel.y}).head<2>());
+  view.features = DetectFeatures(*MakeFeature2d("sift", options_.sensitivity), image, options_.max_features);
+  for (const cv::KeyPoint& keypoint : view.features.keypoints) {
+    view.xy.push_back(camera_.Unproject({keypoint.pt.x, keypoint.pt.y}).head<2>());
   }
   return view;
 }

@@ -21,7 +21,7 @@ struct SiftVoOptions {
   using DescribedTag = void;
 
   int max_features = 800;              ///< Strongest SIFT features kept per frame.
-  double contrast_threshold = 0.01;    ///< Weakest SIFT extremum; OpenCV's own default is 0.04, too high for blur.
+  double sensitivity = 4;              ///< SIFT's contrast threshold is 0.04 divided by this: blur asks for more.
   double ratio = 0.8;                  ///< Ratio test (Lowe 2004).
   double threshold_px = 2.0;           ///< Largest error of an inlier, px at the image centre.
   int min_matches = 10;                ///< With fewer inliers a frame has no pose.
@@ -39,7 +39,7 @@ struct SiftVoOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, SiftVoOptions& o) {
   visit("max_features", o.max_features, Between(50, 100000), "strongest SIFT features kept per frame");
-  visit("contrast_threshold", o.contrast_threshold, Between(0.0, 1.0), "weakest SIFT extremum");
+  visit("sensitivity", o.sensitivity, Between(0.01, 1000.0), "the detector's threshold is divided by this");
   visit("ratio", o.ratio, Between(0.1, 1.0), "ratio test: nearest over second nearest distance");
   visit("threshold_px", o.threshold_px, Between(0.01, 100.0), "largest error of an inlier");
   visit("min_matches", o.min_matches, Between(6, 100000), "with fewer inliers a frame has no pose");

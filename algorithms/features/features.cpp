@@ -1,0 +1,89 @@
+#include "algorithms/features/features.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+#include <tuple>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/core/fields.h"
+
+namespace gaitcam {
+namespace {
+
+struct Entry {
+  FeatureInfo info;
+  std::function<cv::Ptr<cv::Feature2D>(double sensitivity)> make;
+};
+
+cv::Ptr<cv::Feature2D> MakeSift(double sensitivity) {
+  return cv::SIFT::create(0, 3, 0.04 / sensitivity, 10, 1.6, CV_32F);  // but for the threshold OpenCV's own defaults
+}
+
+cv::Ptr<cv::Feature2D> MakeAkaze(double sensitivity) {
+  return cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3, float(0.001 / sensitivity));
+}
+
+cv::Ptr<cv::Feature2D> MakeOrb(double sensitivity) {
+  constexpr int kMost = 5000;  // ORB has to be told a number; callers keep the strongest they want
+  const int fast_threshold = std::max(1, int(20 / sensitivity));
+  return cv::ORB::create(kMost, 1.2f, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31, fast_threshold);
+}
+
+/// Every detector there is: a new one is one more line here.
+std::vector<Entry> AllFeatures() {
+  return {
+      {{"akaze", "AKAZE (Alcantarilla 2013), OpenCV's"}, MakeAkaze},
+      {{"orb", "ORB (Rublee 2011), OpenCV's"}, MakeOrb},
+      {{"sift", "SIFT (Lowe 2004), OpenCV's"}, MakeSift},
+  };
+}
+
+auto SortKey(const cv::KeyPoint& k) { return std::make_tuple(-k.response, k.pt.y, k.pt.x, k.size, k.angle, k.octave); }
+
+}  // namespace
+
+std::vector<FeatureInfo> ListFeatures() {
+  std::vector<FeatureInfo> infos;
+  for (const Entry& entry : AllFeatures()) infos.push_back(entry.info);
+  return infos;
+}
+
+cv::Ptr<cv::Feature2D> MakeFeature2d(const std::string& name, double sensitivity) {
+  GAITCAM_ASSERT(sensitivity > 0);
+  std::vector<std::string> names;
+  for (const Entry& entry : AllFeatures()) {
+    if (entry.info.name == name) return entry.make(sensitivity);
+    names.push_back(entry.info.name);
+  }
+  const std::string near = NearestWord(name, names);
+  std::string all;
+  for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
+  throw BadInput("feature " + name + ": there is no such detector; " +
+                 (near.empty() ? "known: " + all : "did you mean " + near + "?"));
+}
+
+Features DetectFeatures(cv::Feature2D& detector, const cv::Mat& image, int max_features) {
+  GAITCAM_ASSERT(image.type() == CV_8UC1 || image.type() == CV_8UC3);
+  cv::Mat grey = image;
+  if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+  detector.detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
+  // OpenCV keeps ties at the limit and promises no order: choose and order by value.
+  std::vector<int> order(keypoints.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return SortKey(keypoints[size_t(a)]) < SortKey(keypoints[size_t(b)]); });
+  if (order.size() > size_t(max_features)) order.resize(size_t(max_features));
+  Features features;
+  features.descriptors.create(int(order.size()), detector.descriptorSize(), detector.descriptorType());
+  for (size_t i = 0; i < order.size(); ++i) {
+    features.keypoints.push_back(keypoints[size_t(order[i])]);
+    descriptors.row(order[i]).copyTo(features.descriptors.row(int(i)));
+  }
+  return features;
+}
+
+}  // namespace gaitcam
