@@ -1,0 +1,48 @@
+#include "algorithms/features/psf.h"
+
+#include <functional>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/core/fields.h"
+#include "algorithms/features/psf_spectral.h"
+#include "algorithms/features/psf_whitening.h"
+
+namespace gaitcam {
+namespace {
+
+struct Entry {
+  PsfEstimatorInfo info;
+  std::function<std::unique_ptr<PsfEstimator>()> make;
+};
+
+std::vector<Entry> Entries() {
+  return {{{"spectral", "power spectrum against that of a line"}, [] { return std::make_unique<SpectralPsf>(); }},
+          {{"whitening", "least derivatives and their auto-correlation (thesis, section 5.2.1)"},
+           [] { return std::make_unique<WhiteningPsf>(); }}};
+}
+
+}  // namespace
+
+std::vector<PsfEstimatorInfo> ListPsfEstimators() {
+  std::vector<PsfEstimatorInfo> infos;
+  for (const Entry& entry : Entries()) infos.push_back(entry.info);
+  return infos;
+}
+
+std::unique_ptr<PsfEstimator> MakePsfEstimator(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Entry& entry : Entries()) {
+    if (entry.info.name == name) return entry.make();
+    names.push_back(entry.info.name);
+  }
+  const std::string nearest = NearestWord(name, names);
+  std::string text = "unknown estimator of the point spread function \"" + name + "\"; ";
+  if (!nearest.empty()) {
+    text += "did you mean \"" + nearest + "\"?";
+  } else {
+    text += "known are spectral and whitening";
+  }
+  throw BadInput(text);
+}
+
+}  // namespace gaitcam
