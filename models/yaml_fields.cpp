@@ -71,7 +71,8 @@ YamlNode YamlNode::Element(size_t index) const {
 }
 
 void YamlNode::Fail(const std::string& message) const {
-  for (const auto& [key, text] : *overrides_) {
+  for (auto it = overrides_->rbegin(); it != overrides_->rend(); ++it) {  // the longest key that leads here first
+    const auto& [key, text] = *it;
     if (path_.compare(0, key.size(), key) != 0) continue;
     if (path_.size() > key.size() && path_[key.size()] != '.' && path_[key.size()] != '[') continue;
     throw BadInput("--set " + key + "=" + text + ": " + (path_ == key ? "" : path_ + ": ") + message);

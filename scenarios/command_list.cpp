@@ -31,7 +31,11 @@ nlohmann::ordered_json Everything() {
   }
   all["places"] = ListPlaces(ModelsFolder());
   for (const SystemInfo& system : ListSystems()) {
-    all["systems"][system.name] = {{"description", system.description}, {"settings", system.defaults}};
+    nlohmann::ordered_json settings;
+    for (const auto& [key, value] : system.defaults) {
+      settings[key] = value.number() ? nlohmann::ordered_json(*value.number()) : nlohmann::ordered_json(*value.text());
+    }
+    all["systems"][system.name] = {{"description", system.description}, {"settings", settings}};
   }
   all["scenarios"] = ListScenarios();
   return all;
@@ -50,7 +54,8 @@ void Print(const nlohmann::ordered_json& all) {
   for (const auto& [name, system] : all["systems"].items()) {
     fmt::print("  {:<16} {}\n", name, system["description"].get<std::string>());
     for (const auto& [key, value] : system["settings"].items()) {
-      fmt::print("  {:<16}   {} = {:g}\n", "", key, value.get<double>());
+      fmt::print("  {:<16}   {} = {}\n", "", key,
+                 value.is_number() ? fmt::format("{:g}", value.get<double>()) : value.get<std::string>());
     }
   }
   fmt::print("Scenarios\n");

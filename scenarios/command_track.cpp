@@ -8,6 +8,7 @@
 #include "scenarios/commands.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/progress.h"
+#include "scenarios/scenario.h"
 #include "scenarios/tracking_thread.h"
 
 namespace gaitcam {
@@ -17,7 +18,7 @@ SystemSettings SettingsOf(const std::vector<std::string>& assignments) {
   YamlNode node = YamlNode::FromText("", "settings");
   for (const std::string& assignment : assignments) node.Set(assignment);
   SystemSettings settings;
-  ReadYaml(node, settings);
+  ReadYaml(node, settings, "");
   return settings;
 }
 

@@ -5,6 +5,38 @@
 namespace gaitcam {
 namespace fs = std::filesystem;
 
+void ReadYaml(const YamlNode& node, SettingValue& value) {
+  if (!node.node().IsScalar()) node.Fail("expected a number or a word");
+  double number = 0;
+  if (YAML::convert<double>::decode(node.node(), number)) {
+    value = number;
+  } else {
+    value = node.node().Scalar();
+  }
+}
+
+void WriteYaml(YAML::Emitter& out, const SettingValue& value) {
+  if (value.number()) {
+    WriteYaml(out, *value.number());
+  } else {
+    WriteYaml(out, *value.text());
+  }
+}
+
+/// A setting within a group may be written with a dot or as a map: `{matching.ratio: 0.8}` or `{matching: {ratio:
+/// 0.8}}`.
+void ReadYaml(const YamlNode& node, SystemSettings& settings, const std::string& prefix) {
+  for (const auto& entry : node.node()) {
+    const std::string key = entry.first.Scalar();
+    const YamlNode child = node.Child(key);
+    if (child.node().IsMap()) {
+      ReadYaml(child, settings, prefix + key + ".");
+    } else if (!prefix.empty() || key != "name") {
+      ReadYaml(child, settings[prefix + key]);
+    }
+  }
+}
+
 void ReadYaml(const YamlNode& node, SystemChoice& value) {
   if (node.node().IsScalar()) {
     ReadYaml(node, value.name);
@@ -12,15 +44,9 @@ void ReadYaml(const YamlNode& node, SystemChoice& value) {
   }
   if (!node.node().IsMap()) node.Fail("expected the name of a system, or a map {name: ..., setting: ...}");
   if (!node.Has("name")) node.Fail("expected the key `name` beside the settings");
+  ReadYaml(node.Child("name"), value.name);
   value.settings.clear();
-  for (const auto& entry : node.node()) {
-    const std::string key = entry.first.Scalar();
-    if (key == "name") {
-      ReadYaml(node.Child(key), value.name);
-    } else {
-      ReadYaml(node.Child(key), value.settings[key]);
-    }
-  }
+  ReadYaml(node, value.settings, "");
 }
 
 void WriteYaml(YAML::Emitter& out, const SystemChoice& value) {
@@ -29,9 +55,9 @@ void WriteYaml(YAML::Emitter& out, const SystemChoice& value) {
     return;
   }
   out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << value.name;
-  for (const auto& [key, number] : value.settings) {
+  for (const auto& [key, setting] : value.settings) {
     out << YAML::Key << key << YAML::Value;
-    WriteYaml(out, number);
+    WriteYaml(out, setting);
   }
   out << YAML::EndMap;
 }
@@ -65,11 +91,39 @@ void ResolveGait(const YamlNode& root, const Robot& robot, GaitChoice& gait) {
   if (root.Has("gait")) ReadYaml(root.Child("gait"), gait);
 }
 
+/// `--set system.feature=akaze` where the scenario says `system: NAME`, or nothing: the name becomes a map's.
+void MakeRoomForSystemSetting(YamlNode& root, const std::string& assignment) {
+  if (!assignment.starts_with("system.")) return;
+  if (!root.Has("system")) root.Set("system={name: " + SystemChoice().name + "}");
+  const YamlNode system = root.Child("system");
+  if (system.node().IsScalar()) root.Set("system={name: " + system.node().Scalar() + "}");
+}
+
+/// Fails at `setting` within `node`, or as near to it as the file goes.
+[[noreturn]] void FailAtSetting(const YamlNode& node, const std::string& setting, const std::string& message) {
+  if (!setting.empty() && node.Has(setting)) node.Child(setting).Fail(message);
+  const size_t dot = setting.find('.');
+  const std::string group = setting.substr(0, dot);
+  if (dot == std::string::npos || !node.Has(group)) node.Fail(message);
+  FailAtSetting(node.Child(group), setting.substr(dot + 1), message);
+}
+
+/// Fails where the setting stands that `message` ("mobif_vo.ratio: ...") names; else where the system does.
+[[noreturn]] void FailAtSystem(const YamlNode& root, const std::string& message) {
+  const size_t dot = message.find('.'), colon = message.find(':');
+  const bool names_setting = dot < colon && colon != std::string::npos;
+  FailAtSetting(root.Has("system") ? root.Child("system") : root,
+                names_setting ? message.substr(dot + 1, colon - dot - 1) : "", message);
+}
+
 }  // namespace
 
 ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::string>& assignments) {
   YamlNode root = YamlNode::LoadFile(file);
-  for (const std::string& assignment : assignments) root.Set(assignment);
+  for (const std::string& assignment : assignments) {
+    MakeRoomForSystemSetting(root, assignment);
+    root.Set(assignment);
+  }
   ResolvedScenario resolved;
   resolved.file = file;
   Scenario& scenario = resolved.scenario;
@@ -96,7 +150,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     MakeSystem(scenario.system.name,
                {CameraRig(scenario.camera, scenario.seed).MakeCalibration(), scenario.seed, scenario.system.settings});
   } catch (const BadInput& e) {
-    fail_at("system", e);
+    FailAtSystem(root, e.what());
   }
   return resolved;
 }

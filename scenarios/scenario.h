@@ -35,12 +35,16 @@ void VisitFields(Visitor& visit, GaitChoice& o) {
   VisitFields(visit, o.options);
 }
 
-/// `system:` a name, or a map of a name and settings: `{name: sift_vo, ratio: 0.8}`.
+/// `system:` a name, or a map of a name and settings: `{name: mobif_vo, feature: akaze, ratio: 0.8}`.
 struct SystemChoice {
   std::string name = "sift_vo";
   SystemSettings settings;
 };
 
+void ReadYaml(const YamlNode& node, SettingValue& value);
+void WriteYaml(YAML::Emitter& out, const SettingValue& value);
+/// Settings of a map but for its key `name`; groups (maps) are named by a dot: `matching.ratio`.
+void ReadYaml(const YamlNode& node, SystemSettings& settings, const std::string& prefix);
 void ReadYaml(const YamlNode& node, SystemChoice& value);
 void WriteYaml(YAML::Emitter& out, const SystemChoice& value);
 

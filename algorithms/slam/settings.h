@@ -16,7 +16,8 @@
 namespace gaitcam {
 namespace internal {
 
-/// Reads every number and flag of a struct into a map; a nested struct's names carry its own and a dot before them.
+/// Reads every number, flag and text of a struct into a map; a nested struct's names carry its own and a dot before
+/// them.
 struct SettingsLister {
   SystemSettings& settings;
   std::string prefix;
@@ -28,11 +29,13 @@ struct SettingsLister {
       VisitFields(inner, value);
     } else if constexpr (std::is_arithmetic_v<T>) {
       settings[prefix + std::string(key)] = double(value);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      settings[prefix + std::string(key)] = value;
     }
   }
 };
 
-/// The other way round, checking what a number can be.
+/// The other way round, checking what a value can be.
 struct SettingsApplier {
   const SystemSettings& settings;
   std::string system;  ///< For messages.
@@ -43,18 +46,41 @@ struct SettingsApplier {
     if constexpr (Described<T>) {
       SettingsApplier inner{settings, system, prefix + std::string(key) + "."};
       VisitFields(inner, value);
-    } else if constexpr (std::is_arithmetic_v<T>) {
+    } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
       const auto entry = settings.find(prefix + std::string(key));
       if (entry != settings.end()) Apply(entry->first, entry->second, value, limits);
     }
   }
 
  private:
+  template <class Limits>
+  void Apply(const std::string& name, const SettingValue& setting, std::string& value, const Limits& limits) {
+    std::string permitted = "a text";
+    if constexpr (std::is_same_v<Limits, Words>) permitted = limits.ToText();
+    if (!setting.text()) ThrowOutOfRange(system + "." + name, setting.ToText(), permitted);
+    if constexpr (std::is_same_v<Limits, Words>) {
+      const std::string near = NearestWord(*setting.text(), limits.words);
+      if (!near.empty()) permitted += " (did you mean " + near + "?)";
+      if (!limits.Contains(*setting.text())) ThrowOutOfRange(system + "." + name, setting.ToText(), permitted);
+    }
+    value = *setting.text();
+  }
+
   template <class T, class Limits>
-  void Apply(const std::string& name, double number, T& value, const Limits& limits) {
+  void Apply(const std::string& name, const SettingValue& setting, T& value, const Limits& limits) {
     const std::string field = system + "." + name;
+    std::string permitted = std::is_same_v<T, bool> ? "true or false" : "a number";
+    if constexpr (std::is_same_v<Limits, Interval>) permitted = limits.ToText();
+    if constexpr (std::is_same_v<T, bool>) {
+      if (setting.text() && (*setting.text() == "true" || *setting.text() == "false")) {
+        value = *setting.text() == "true";
+        return;
+      }
+    }
+    if (!setting.number()) ThrowOutOfRange(field, setting.ToText(), permitted);
+    const double number = *setting.number();
     if constexpr (std::is_same_v<Limits, Interval>) {
-      if (!limits.Contains(number)) ThrowOutOfRange(field, NumberText(number), limits.ToText());
+      if (!limits.Contains(number)) ThrowOutOfRange(field, NumberText(number), permitted);
     }
     if constexpr (std::is_same_v<T, bool>) {
       if (number != 0 && number != 1) ThrowOutOfRange(field, NumberText(number), "0 or 1");
@@ -67,7 +93,7 @@ struct SettingsApplier {
 
 }  // namespace internal
 
-/// The numbers and flags of a described struct, by name.
+/// The numbers, flags and texts of a described struct, by name.
 template <Described T>
 SystemSettings SettingsOf(const T& options) {
   SystemSettings settings;

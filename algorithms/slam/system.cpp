@@ -4,6 +4,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/fields.h"
+#include "algorithms/odometry/mobif_vo_plus.h"
 #include "algorithms/odometry/sift_vo.h"
 #include "algorithms/slam/settings.h"
 
@@ -34,16 +35,33 @@ Entry Monocular(const std::string& name, const std::string& description) {
           }};
 }
 
+class MobifVoPlusSystem : public System {
+ public:
+  explicit MobifVoPlusSystem(const SystemSetup& setup)
+      : odometry_(setup.calibration, OptionsFrom<MobifVoPlusOptions>(setup.settings, "mobif_vo_plus"), setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
+  std::vector<FrameEstimate> Finish() override { return odometry_.Finish(); }
+
+ private:
+  MobifVoPlus odometry_;
+};
+
 /// Every system there is: a new one is one more line here.
 std::vector<Entry> AllSystems() {
   std::vector<Entry> entries = {
       Monocular<SiftVo, SiftVoOptions>("sift_vo", "plain monocular odometry: SIFT, five-point RANSAC, keyframe points"),
+      {{"mobif_vo_plus",
+        "monocular odometry for a shaking camera: blur-robust features, inverse depths, bundle adjustment",
+        SettingsOf(MobifVoPlusOptions())},
+       [](const SystemSetup& setup) { return std::make_unique<MobifVoPlusSystem>(setup); }},
   };
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.info.name < b.info.name; });
   return entries;
 }
 
 }  // namespace
+
+std::string SettingValue::ToText() const { return number() ? internal::NumberText(*number()) : '"' + *text() + '"'; }
 
 std::vector<SystemInfo> ListSystems() {
   std::vector<SystemInfo> infos;

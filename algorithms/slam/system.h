@@ -7,6 +7,8 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "algorithms/core/camera.h"
@@ -15,8 +17,22 @@
 
 namespace gaitcam {
 
-/// Numbers a user may set for a system by name (`system: {name: sift_vo, ratio: 0.8}`).
-using SystemSettings = std::map<std::string, double>;
+/// A number (a flag is 0 or 1) or a text.
+struct SettingValue : std::variant<double, std::string> {
+  SettingValue(double number = 0) : variant(number) {}  // NOLINT: what a user writes down is a setting's value
+  template <class Number, class = std::enable_if_t<std::is_arithmetic_v<Number>>>
+  SettingValue(Number number) : variant(double(number)) {}
+  SettingValue(std::string text) : variant(std::move(text)) {}
+  SettingValue(const char* text) : variant(std::string(text)) {}
+
+  const double* number() const { return std::get_if<double>(this); }
+  const std::string* text() const { return std::get_if<std::string>(this); }
+  /// As a message or a list shows it; texts in quotation marks.
+  std::string ToText() const;
+};
+
+/// What a user may set for a system by name (`system: {name: mobif_vo, feature: akaze, ratio: 0.8}`).
+using SystemSettings = std::map<std::string, SettingValue>;
 
 /// What a system is built from. No truth, no initial pose, no scale: those are the scorer's business.
 struct SystemSetup {
@@ -39,8 +55,8 @@ class System {
 
 struct SystemInfo {
   std::string name;
-  std::string description;                 ///< One line for `gaitcam list`.
-  std::map<std::string, double> defaults;  ///< Its settings and their default values.
+  std::string description;  ///< One line for `gaitcam list`.
+  SystemSettings defaults;  ///< Its settings and their default values.
 };
 
 /// Names of all systems, sorted.

@@ -50,6 +50,15 @@ TEST_F(BadInputTest, NamesThatDoNotExistAreNamedWithTheNearest) {
   ExpectRefusal("robot: my/own.yaml\n", "own.yaml");
 }
 
+TEST_F(BadInputTest, ASettingOfTheSystemIsNamedWhereItStands) {
+  ExpectRefusal("system:\n  name: sift_vo\n  ratio: fast\n",
+                "s.yaml:3:10: system.ratio: sift_vo.ratio: \"fast\" is not");
+  ExpectRefusal("system: sift_vo\n", "--set system.ratio=2: sift_vo.ratio: 2 is not", "--set system.ratio=2",
+                "validate");
+  ExpectRefusal("", "--set system.feature=syft: ", "--set system.feature=syft", "validate");
+  ExpectRefusal("system: {name: sift_vo, ratio: [1]}\n", "expected a number or a word");
+}
+
 TEST_F(BadInputTest, AStepOutOfReachIsRefusedBeforeTheRun) {
   ExpectRefusal("gait: {step_length_m: 0.3}\n", "gait.step_length_m: 0.3");
   ExpectRefusal("", "gait.step_length_m: 0.3", "--set gait.step_length_m=0.3", "validate");

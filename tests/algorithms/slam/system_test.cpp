@@ -94,13 +94,14 @@ template <class Visitor>
 void VisitFields(Visitor& visit, Outer& o) {
   visit("count", o.count, Between(0, 10), "");
   visit("flag", o.flag, Nested(), "");
-  visit("word", o.word, AnyText(), "");
+  visit("word", o.word, OneOf({"a", "beta", "gamma"}), "");
   visit("inner", o.inner, Nested(), "");
 }
 
-TEST(Settings, ReachNumbersFlagsAndNestedStructs) {
-  EXPECT_EQ(SettingsOf(Outer()), (SystemSettings{{"count", 3}, {"flag", 1}, {"inner.depth", 2}}));
-  const Outer changed = OptionsFrom<Outer>({{"count", 5}, {"flag", 0}, {"inner.depth", 0.5}}, "x");
+TEST(Settings, ReachNumbersFlagsTextsAndNestedStructs) {
+  EXPECT_EQ(SettingsOf(Outer()), (SystemSettings{{"count", 3}, {"flag", 1}, {"inner.depth", 2}, {"word", "a"}}));
+  const Outer changed = OptionsFrom<Outer>({{"count", 5}, {"flag", 0}, {"inner.depth", 0.5}, {"word", "beta"}}, "x");
+  EXPECT_EQ(changed.word, "beta");
   EXPECT_EQ(changed.count, 5);
   EXPECT_FALSE(changed.flag);
   EXPECT_EQ(changed.inner.depth, 0.5);
@@ -108,6 +109,19 @@ TEST(Settings, ReachNumbersFlagsAndNestedStructs) {
                 OptionsFrom<Outer>({{"flag", 2}}, "x");
               }),
               HasSubstr("x.flag: 2 is not permitted; expected 0 or 1"));
+  EXPECT_FALSE(OptionsFrom<Outer>({{"flag", "false"}}, "x").flag);
+  EXPECT_THAT(ErrorOf([] {
+                OptionsFrom<Outer>({{"word", "bete"}}, "x");
+              }),
+              HasSubstr("x.word: \"bete\" is not permitted; expected one of a, beta, gamma (did you mean beta?)"));
+  EXPECT_THAT(ErrorOf([] {
+                OptionsFrom<Outer>({{"word", 4}}, "x");
+              }),
+              HasSubstr("x.word: 4 is not permitted; expected one of a, beta, gamma"));
+  EXPECT_THAT(ErrorOf([] {
+                OptionsFrom<Outer>({{"count", "many"}}, "x");
+              }),
+              HasSubstr("x.count: \"many\" is not permitted; expected a number from 0 to 10"));
   EXPECT_THAT(ErrorOf([] { OptionsFrom<Outer>({{"inner.depth", -1}}, "x"); }), HasSubstr("x.inner.depth: -1"));
   EXPECT_THAT(ErrorOf([] { OptionsFrom<Outer>({{"inner.dept", 1}}, "x"); }), HasSubstr("did you mean inner.depth?"));
 }
