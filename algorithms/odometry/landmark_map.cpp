@@ -1,0 +1,137 @@
+#include "algorithms/odometry/landmark_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/geometry/bundle_adjustment.h"
+
+namespace gaitcam {
+namespace {
+
+double Median(std::vector<double> values) {
+  GAITCAM_ASSERT(!values.empty());
+  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+double LandmarkMap::MedianDepth(const Pose& X_WC, double otherwise) const {
+  std::vector<double> depths;
+  for (const Landmark& landmark : landmarks_) {
+    if (!landmark.Known()) continue;
+    const Eigen::Vector3d p_W = keyframes_[size_t(landmark.anchor)] * (landmark.xy.homogeneous() / landmark.rho);
+    const double depth = (X_WC.rotation.conjugate() * (p_W - X_WC.translation)).z();
+    if (depth > 0) depths.push_back(depth);
+  }
+  constexpr size_t kFewest = 10;
+  return depths.size() < kFewest ? otherwise : Median(depths);
+}
+
+int LandmarkMap::AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth) {
+  const int keyframe = int(keyframes_.size());
+  keyframes_.push_back(view.X_WC);
+  Observe(keyframe, view, matches);
+  if (keyframe > first_keyframe_) {
+    Adjust();
+    DropOutliers();
+    view.X_WC = keyframes_.back();
+  }
+  AddLandmarks(keyframe, view, matches, unit_depth);
+  Forget();
+  return keyframe;
+}
+
+void LandmarkMap::Observe(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches) {
+  for (const LandmarkMatch& match : matches) {
+    Landmark& landmark = landmarks_[size_t(match.landmark)];
+    const size_t i = size_t(match.feature);
+    landmark.observations.push_back({keyframe, view.xy[i], view.sigma[i]});
+    landmark.last_keyframe = keyframe;
+    view.features.descriptors.row(match.feature).copyTo(landmark.descriptor);
+  }
+}
+
+void LandmarkMap::AddLandmarks(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches,
+                               double unit_depth) {
+  std::vector<bool> taken(view.xy.size(), false);
+  for (const LandmarkMatch& match : matches) taken[size_t(match.feature)] = true;
+  const double rho = 1 / MedianDepth(view.X_WC, unit_depth);
+  for (size_t i = 0; i < view.xy.size(); ++i) {
+    if (taken[i]) continue;
+    Landmark landmark;
+    landmark.anchor = landmark.last_keyframe = keyframe;
+    landmark.xy = view.xy[i];
+    landmark.rho = landmark.prior_rho = rho;
+    landmark.rho_sigma = landmark.prior_sigma = rho;
+    landmark.descriptor = view.features.descriptors.row(int(i)).clone();
+    landmarks_.push_back(std::move(landmark));
+  }
+}
+
+/// Bundle adjustment over the last keyframes; older ones that saw the same points are held fixed.
+void LandmarkMap::Adjust() {
+  const int newest = int(keyframes_.size()) - 1,
+            oldest_free = std::max(first_keyframe_ + 1, newest + 1 - options_.window);
+  BundleProblem problem;
+  std::vector<int> camera_of(keyframes_.size(), -1);
+  const auto camera = [&](int keyframe) {
+    int& index = camera_of[size_t(keyframe)];
+    if (index < 0) {
+      index = int(problem.cameras.size());
+      problem.cameras.push_back({keyframes_[size_t(keyframe)], keyframe < oldest_free});
+    }
+    return index;
+  };
+  std::vector<int> landmark_of;
+  for (size_t i = 0; i < landmarks_.size(); ++i) {
+    const Landmark& landmark = landmarks_[i];
+    if (landmark.observations.empty() || landmark.last_keyframe < oldest_free) continue;
+    BundlePoint point;
+    point.anchor = camera(landmark.anchor);
+    point.xy = landmark.xy;
+    point.rho = landmark.rho;
+    point.prior_rho = landmark.prior_rho;
+    point.prior_sigma = landmark.prior_sigma;
+    for (const LandmarkObservation& o : landmark.observations) {
+      problem.observations.push_back({camera(o.keyframe), int(problem.points.size()), o.xy, o.sigma});
+    }
+    problem.points.push_back(point);
+    landmark_of.push_back(int(i));
+  }
+  if (problem.points.empty()) return;
+  BundleOptions options;
+  options.max_iterations = options_.adjust_iterations;
+  AdjustBundle(problem, options);
+  for (size_t k = 0; k < keyframes_.size(); ++k) {
+    if (camera_of[k] >= 0) keyframes_[k] = problem.cameras[size_t(camera_of[k])].X_WC;
+  }
+  for (size_t k = 0; k < landmark_of.size(); ++k) {
+    Landmark& landmark = landmarks_[size_t(landmark_of[k])];
+    landmark.rho = std::max(0.0, problem.points[k].rho);  // noise puts far points beyond infinity
+    landmark.rho_sigma = problem.points[k].rho_sigma;
+  }
+}
+
+/// Takes back observations that the refined map contradicts.
+void LandmarkMap::DropOutliers() {
+  const double limit2 = options_.outlier_sigmas * options_.outlier_sigmas;
+  for (Landmark& landmark : landmarks_) {
+    const InverseDepthPoint point = {keyframes_[size_t(landmark.anchor)], landmark.xy, landmark.rho, 0};
+    std::erase_if(landmark.observations, [&](const LandmarkObservation& o) {
+      return Mahalanobis2({point, o.xy, o.sigma}, keyframes_[size_t(o.keyframe)]) > limit2;
+    });
+  }
+}
+
+void LandmarkMap::Forget() {
+  constexpr int kProbation = 3;  // keyframes in which a new landmark has to be seen again
+  const int newest = int(keyframes_.size()) - 1;
+  std::erase_if(landmarks_, [&](const Landmark& landmark) {
+    const int age = newest - landmark.last_keyframe;
+    return age > (landmark.observations.empty() ? kProbation : options_.memory);
+  });
+}
+
+}  // namespace gaitcam

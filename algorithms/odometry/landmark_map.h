@@ -1,0 +1,95 @@
+/// The map of a keyframe odometry: keyframes, and the points that they saw as inverse depths. It knows nothing of
+/// images: descriptors are rows to compare, features are normalised coordinates.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "algorithms/core/pose.h"
+#include "algorithms/features/features.h"
+#include "algorithms/geometry/inverse_depth.h"
+
+namespace gaitcam {
+
+/// A frame's features and what they mean geometrically.
+struct FrameView {
+  Features features;
+  std::vector<Eigen::Vector2d> xy;  ///< Undistorted normalised coordinates, one per feature.
+  std::vector<double> sigma;        ///< Standard deviation of each coordinate.
+  Pose X_WC;
+};
+
+struct LandmarkObservation {
+  int keyframe = 0;
+  Eigen::Vector2d xy;
+  double sigma = 0;
+};
+
+/// One thing in the world, on the ray of the keyframe that first saw it.
+struct Landmark {
+  int anchor = 0;  ///< Keyframe.
+  Eigen::Vector2d xy;
+  double rho = 0, rho_sigma = 0;
+  double prior_rho = 0, prior_sigma = 0;
+  std::vector<LandmarkObservation> observations;  ///< By later keyframes, in order.
+  cv::Mat descriptor;                             ///< One row: as it looked last.
+  int last_keyframe = 0;                          ///< The last that saw it.
+
+  bool Known() const { return !observations.empty() && rho > 0 && rho_sigma < 0.3 * rho; }
+};
+
+struct LandmarkMapOptions {
+  int window = 10;
+  int memory = 20;
+  int adjust_iterations = 8;
+  double outlier_sigmas = 3.5;
+};
+
+/// Which landmark is which feature of a view.
+struct LandmarkMatch {
+  int landmark = -1;
+  int feature = -1;
+};
+
+class LandmarkMap {
+ public:
+  explicit LandmarkMap(const LandmarkMapOptions& options) : options_(options) {}
+
+  /// Adds a keyframe: `matches` become observations, every other feature a new landmark whose inverse depth is that of
+  /// the known ones around it, give or take all of it. Then refines the window and forgets what is old.
+  /// @returns the keyframe's number; `view.X_WC` is refined.
+  int AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth);
+
+  /// Sets an inverse depth found otherwise (the start of a map).
+  void SetDepth(int landmark, double rho) { landmarks_[size_t(landmark)].rho = rho; }
+
+  /// Forgets all landmarks; keyframes' poses stay. The next keyframe begins a map of its own.
+  void Clear() {
+    landmarks_.clear();
+    first_keyframe_ = int(keyframes_.size());
+  }
+
+  const std::vector<Landmark>& landmarks() const { return landmarks_; }
+  const std::vector<Pose>& keyframes() const { return keyframes_; }
+  InverseDepthPoint Point(const Landmark& landmark) const {
+    return {keyframes_[size_t(landmark.anchor)], landmark.xy, landmark.rho, landmark.rho_sigma};
+  }
+  /// Median depth of the known landmarks in front of a camera; `otherwise` when there are none.
+  double MedianDepth(const Pose& X_WC, double otherwise) const;
+
+ private:
+  void Observe(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches);
+  void AddLandmarks(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth);
+  void Adjust();
+  void DropOutliers();
+  void Forget();
+
+  LandmarkMapOptions options_;
+  std::vector<Pose> keyframes_;
+  int first_keyframe_ = 0;  ///< Of the present map.
+  std::vector<Landmark> landmarks_;
+};
+
+}  // namespace gaitcam

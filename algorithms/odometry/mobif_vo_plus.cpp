@@ -1,0 +1,300 @@
+#include "algorithms/odometry/mobif_vo_plus.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "algorithms/core/random.h"
+#include "algorithms/features/features.h"
+#include "algorithms/features/matching.h"
+#include "algorithms/geometry/absolute_pose.h"
+#include "algorithms/geometry/two_view.h"
+#include "algorithms/odometry/landmark_map.h"
+#include "algorithms/odometry/landmark_search.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr double kRadPerDeg = M_PI / 180;
+
+double Median(std::vector<double> values) {
+  GAITCAM_ASSERT(!values.empty());
+  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+/// Where a frame stands: its place relative to a keyframe, so that what is learnt of the keyframe later moves it too.
+struct FrameRecord {
+  FrameEstimate answer;
+  int keyframe = -1;  ///< -1: no pose, or one given before there was a keyframe.
+  Pose X_KC;
+};
+
+LandmarkMapOptions MapOptions(const MobifVoPlusOptions& o) {
+  return {o.window, o.memory, o.adjust_iterations, o.outlier_sigmas};
+}
+
+}  // namespace
+
+class MobifVoPlus::Tracker {
+ public:
+  Tracker(const Calibration& calibration, const MobifVoPlusOptions& options, uint64_t seed)
+      : calibration_(calibration),
+        camera_(calibration.camera),
+        options_(options),
+        detector_(MakeFeature2d(options.feature, options.sensitivity)),
+        random_(seed, "mobif_vo_plus"),
+        map_(MapOptions(options)) {}
+
+  FrameEstimate Track(const Observation& observation);
+  std::vector<FrameEstimate> Finish();
+
+ private:
+  FrameView Look(const cv::Mat& image) const;
+  RansacOptions Ransacking() const { return {3.0 / camera_.fx, 0.999, 100, 5}; }
+
+  bool Start(FrameView& view);
+  bool StartMap(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
+  Pose Predict(const Observation& observation) const;
+  bool Locate(FrameView& view, const Pose& prediction);
+  bool Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess);
+  bool WantsKeyframe(const FrameView& view) const;
+  void Record(const FrameEstimate& answer, const FrameView& view);
+
+  Calibration calibration_;
+  CameraModel camera_;
+  MobifVoPlusOptions options_;
+  cv::Ptr<cv::Feature2D> detector_;
+  RandomStream random_;
+
+  LandmarkMap map_;
+  std::optional<FrameView> reference_;  ///< The first of the two frames that will start a map.
+  std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
+  int keyframe_ = -1;                   ///< The latest of the present map; -1: there is no map yet.
+  int keyframe_inliers_ = 0;            ///< Landmarks that the frame after the last keyframe saw.
+  std::optional<Pose> X_WC_last_;       ///< Last known pose, over all maps.
+  double median_depth_ = 1;             ///< At the last keyframe; the unit when a map begins.
+  int lost_frames_ = 0;
+  std::vector<FrameRecord> records_;
+};
+
+FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
+  FrameEstimate answer;
+  answer.stamp_ns = observation.stamp_ns;
+  FrameView view = Look(observation.image.pixels);
+  answer.features = view.features.size();
+  inliers_.clear();
+  const bool had_map = keyframe_ >= 0, was_lost = lost_frames_ > options_.max_lost_frames;
+  const bool found = had_map ? Locate(view, Predict(observation)) : Start(view);
+  answer.inliers = int(inliers_.size());
+  if (found) {
+    answer.status = TrackingStatus::kTracking;
+    answer.restarted = was_lost;
+    lost_frames_ = 0;
+    if (had_map && WantsKeyframe(view)) {
+      keyframe_ = map_.AddKeyframe(view, inliers_, median_depth_);
+      keyframe_inliers_ = 0;
+      median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
+    }
+    answer.pose = view.X_WC;
+    X_WC_last_ = view.X_WC;
+  } else {
+    answer.status = X_WC_last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
+    if (++lost_frames_ > options_.max_lost_frames && had_map) {
+      map_.Clear();
+      keyframe_ = -1;
+      reference_.reset();
+    }
+  }
+  Record(answer, view);
+  return answer;
+}
+
+FrameView MobifVoPlus::Tracker::Look(const cv::Mat& image) const {
+  if (image.cols != camera_.width_px || image.rows != camera_.height_px) {
+    throw BadInput("the frame has " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
+                   " pixels, but the calibration says " + std::to_string(camera_.width_px) + " x " +
+                   std::to_string(camera_.height_px));
+  }
+  FrameView view;
+  view.features = DetectFeatures(*detector_, image, options_.max_features);
+  for (const cv::KeyPoint& keypoint : view.features.keypoints) {
+    view.xy.push_back(camera_.Unproject({keypoint.pt.x, keypoint.pt.y}).head<2>());
+    view.sigma.push_back((options_.sigma_px + options_.sigma_per_size * keypoint.size) / camera_.fx);
+  }
+  return view;
+}
+
+/// Without a map: the camera is taken to turn on the spot, until it has moved enough to see parallax.
+bool MobifVoPlus::Tracker::Start(FrameView& view) {
+  const auto begin_here = [&] {
+    if (view.features.size() < options_.min_start_points) {
+      reference_.reset();
+      return false;
+    }
+    view.X_WC = X_WC_last_.value_or(Pose());
+    reference_ = view;
+    return true;
+  };
+  if (!reference_) return begin_here();
+  MatchingOptions matching;
+  matching.ratio = options_.ratio;
+  const auto matches = MatchDescriptors(reference_->features.descriptors, view.features.descriptors, matching);
+  if (int(matches.size()) < options_.min_start_points) return begin_here();
+  std::vector<PointPair> pairs;
+  std::vector<InverseDepthSighting> sightings;
+  for (const Match& match : matches) {
+    const size_t a = size_t(match.a), b = size_t(match.b);
+    pairs.push_back({reference_->xy[a], view.xy[b]});
+    sightings.push_back({{reference_->X_WC, reference_->xy[a], 0, 0}, view.xy[b], view.sigma[b]});
+  }
+  const TwoView two_view = EstimateTwoView(pairs, {2.0 / camera_.fx, 0.9999, 300, 20}, random_);
+  if (int(two_view.inliers.size()) < options_.min_start_points) return begin_here();
+  if (two_view.parallax > options_.start_parallax_deg * kRadPerDeg &&
+      two_view.direction_sigma < options_.start_direction_deg * kRadPerDeg && StartMap(view, matches, two_view)) {
+    return true;
+  }
+  const Pose guess(reference_->X_WC.rotation * two_view.X_AB.rotation, reference_->X_WC.translation);
+  view.X_WC = RefinePose(sightings, two_view.inliers, guess, 2);
+  return true;
+}
+
+/// Reference and present frame become the first keyframes. The unit is such that the points' median depth is that of
+/// the map before (1 at first).
+bool MobifVoPlus::Tracker::StartMap(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view) {
+  const Eigen::Vector3d t = two_view.X_AB.translation;
+  std::vector<LandmarkMatch> pairs;
+  std::vector<double> depths;
+  for (const int i : two_view.inliers) {
+    const Match& match = matches[size_t(i)];
+    const Eigen::Vector3d a = reference_->xy[size_t(match.a)].homogeneous(),
+                          b = two_view.X_AB.rotation * view.xy[size_t(match.b)].homogeneous();
+    const Eigen::Vector3d normal = b.cross(t.cross(b));  // of the plane through b's ray that is square to t's side
+    const double depth = t.dot(normal) / a.dot(normal);
+    if (!(depth > 0) || !std::isfinite(depth)) continue;
+    depths.push_back(depth);
+    pairs.push_back({match.a, match.b});
+  }
+  if (int(pairs.size()) < options_.min_start_points) return false;
+  const double unit = median_depth_ / Median(depths);
+  map_.AddKeyframe(*reference_, {}, median_depth_);
+  for (size_t i = 0; i < pairs.size(); ++i) map_.SetDepth(pairs[i].landmark, 1 / (unit * depths[i]));
+  view.X_WC = reference_->X_WC * Pose(two_view.X_AB.rotation, unit * t);
+  inliers_ = pairs;
+  keyframe_ = map_.AddKeyframe(view, inliers_, median_depth_);
+  keyframe_inliers_ = 0;
+  return true;
+}
+
+/// Where the camera was, turned on as the gyroscope says if it is asked.
+Pose MobifVoPlus::Tracker::Predict(const Observation& observation) const {
+  Pose prediction = X_WC_last_.value_or(Pose());
+  if (!options_.use_imu || lost_frames_ > 0) return prediction;
+  const Eigen::Quaterniond R_CI = calibration_.imu.X_CI.rotation;
+  for (size_t i = 1; i < observation.imu.size(); ++i) {
+    const double dt = double(observation.imu[i].stamp_ns - observation.imu[i - 1].stamp_ns) * 1e-9;
+    const Eigen::Vector3d w = R_CI * observation.imu[i].angular_rate * dt;
+    const double angle = w.norm();
+    if (angle > 0) prediction.rotation = prediction.rotation * Eigen::AngleAxisd(angle, w / angle);
+  }
+  return prediction;
+}
+
+/// With a map: looks for its landmarks where they should be, else anywhere; then once more, closely, from the pose
+/// found.
+bool MobifVoPlus::Tracker::Locate(FrameView& view, const Pose& prediction) {
+  LandmarkSearchOptions wide;
+  wide.radius = options_.search_deg * kRadPerDeg;
+  wide.ratio = options_.ratio;
+  wide.same_place = 2 / camera_.fx;
+  if (!Agree(view, SearchNear(map_, view, prediction, wide), prediction) &&
+      !Agree(view, SearchAnywhere(map_, view, options_.ratio), prediction)) {
+    return false;
+  }
+  LandmarkSearchOptions close = wide;
+  close.radius = 5 / camera_.fx;
+  close.ratio = 0.5 + 0.5 * options_.ratio;  // nearness has already told most rivals apart
+  const Pose found = view.X_WC;
+  if (!Agree(view, SearchNear(map_, view, found, close), found)) return false;
+  keyframe_inliers_ = std::max(keyframe_inliers_, int(inliers_.size()));
+  return true;
+}
+
+/// The pose that most matches agree upon, and those matches as `inliers_`.
+bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess) {
+  inliers_.clear();
+  std::vector<InverseDepthSighting> sightings;
+  std::vector<PointSighting> known;
+  for (const LandmarkMatch& match : matches) {
+    const Landmark& landmark = map_.landmarks()[size_t(match.landmark)];
+    const size_t i = size_t(match.feature);
+    sightings.push_back({map_.Point(landmark), view.xy[i], view.sigma[i]});
+    if (!landmark.Known()) continue;
+    known.push_back({sightings.back().point.X_WA * (landmark.xy.homogeneous() / landmark.rho), view.xy[i]});
+  }
+  const auto rough = EstimateAbsolutePose(known, Ransacking(), random_, guess);
+  if (int(rough.inliers.size()) < options_.min_inliers) return false;
+  Pose pose = rough.model;
+  const double limit2 = options_.outlier_sigmas * options_.outlier_sigmas;
+  std::vector<int> inliers;
+  constexpr int kRounds = 3;  // each refinement lets in what agrees with it
+  for (int round = 0; round < kRounds; ++round) {
+    inliers.clear();
+    for (int i = 0; i < int(sightings.size()); ++i) {
+      if (Mahalanobis2(sightings[size_t(i)], pose) < limit2) inliers.push_back(i);
+    }
+    if (int(inliers.size()) < options_.min_inliers) return false;
+    pose = RefinePose(sightings, inliers, pose, 2);
+  }
+  view.X_WC = pose;
+  for (const int i : inliers) inliers_.push_back(matches[size_t(i)]);
+  return true;
+}
+
+bool MobifVoPlus::Tracker::WantsKeyframe(const FrameView& view) const {
+  if (int(inliers_.size()) < options_.keyframe_overlap * keyframe_inliers_) return true;
+  const Pose& X_WK = map_.keyframes()[size_t(keyframe_)];
+  if (RotationAngle(X_WK.rotation, view.X_WC.rotation) > options_.keyframe_turn_deg * kRadPerDeg) return true;
+  const Eigen::Vector3d baseline = view.X_WC.translation - X_WK.translation;
+  std::vector<double> angles;
+  for (const LandmarkMatch& match : inliers_) {
+    const Landmark& landmark = map_.landmarks()[size_t(match.landmark)];
+    const Eigen::Vector3d ray = map_.keyframes()[size_t(landmark.anchor)].rotation * landmark.xy.homogeneous();
+    angles.push_back(landmark.rho * ray.normalized().cross(baseline).norm() / landmark.xy.homogeneous().norm());
+  }
+  return Median(angles) > options_.keyframe_parallax_deg * kRadPerDeg;
+}
+
+void MobifVoPlus::Tracker::Record(const FrameEstimate& answer, const FrameView& view) {
+  FrameRecord record{answer, -1, Pose()};
+  if (answer.pose && keyframe_ >= 0) {
+    record.keyframe = keyframe_;
+    record.X_KC = map_.keyframes()[size_t(keyframe_)].Inverse() * view.X_WC;
+  }
+  records_.push_back(record);
+}
+
+/// Frames after a keyframe move with it. Frames that turned on the spot before the first keyframe in truth moved on to
+/// it: they get their part of the way.
+std::vector<FrameEstimate> MobifVoPlus::Tracker::Finish() {
+  std::vector<FrameEstimate> frames;
+  for (const FrameRecord& record : records_) {
+    FrameEstimate frame = record.answer;
+    if (record.keyframe >= 0) frame.pose = map_.keyframes()[size_t(record.keyframe)] * record.X_KC;
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+MobifVoPlus::MobifVoPlus(const Calibration& calibration, const MobifVoPlusOptions& options, uint64_t seed) {
+  calibration.camera.Check();
+  CheckFields(options, "mobif_vo_plus.");
+  tracker_ = std::make_unique<Tracker>(calibration, options, seed);
+}
+
+MobifVoPlus::~MobifVoPlus() = default;
+
+FrameEstimate MobifVoPlus::Track(const Observation& observation) { return tracker_->Track(observation); }
+
+std::vector<FrameEstimate> MobifVoPlus::Finish() { return tracker_->Finish(); }
+
+}  // namespace gaitcam
