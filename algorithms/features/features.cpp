@@ -8,6 +8,9 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/fields.h"
+#include "algorithms/features/mobif.h"
+#include "algorithms/features/mobif_adapt.h"
+#include "algorithms/features/mobif_restore.h"
 
 namespace gaitcam {
 namespace {
@@ -31,10 +34,37 @@ cv::Ptr<cv::Feature2D> MakeOrb(double sensitivity) {
   return cv::ORB::create(kMost, 1.2f, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31, fast_threshold);
 }
 
+MobifOptions Sensitive(MobifOptions options, double sensitivity) {
+  options.hessian.threshold /= sensitivity;
+  return options;
+}
+
+cv::Ptr<cv::Feature2D> MakeMobifQuality(double sensitivity) { return MakeMobif(Sensitive({}, sensitivity)); }
+
+cv::Ptr<cv::Feature2D> MakeMobifFast(double sensitivity) {
+  return MakeMobif(Sensitive(MobifFastOptions(), sensitivity));
+}
+
+cv::Ptr<cv::Feature2D> MakeThesisRestore(double sensitivity) {
+  MobifRestoreOptions options;
+  options.hessian.threshold /= sensitivity;
+  return MakeMobifRestore(options);
+}
+
+cv::Ptr<cv::Feature2D> MakeThesisAdapt(double sensitivity) {
+  MobifAdaptOptions options;
+  options.hessian.threshold /= sensitivity;
+  return MakeMobifAdapt(options);
+}
+
 /// Every detector there is: a new one is one more line here.
 std::vector<Entry> AllFeatures() {
   return {
       {{"akaze", "AKAZE (Alcantarilla 2013), OpenCV's"}, MakeAkaze},
+      {{"mobif", "restores, adapts or leaves alone, by how the image is blurred"}, MakeMobifQuality},
+      {{"mobif_adapt", "MoBIF, second approach (thesis, section 5.3): adapted scale space"}, MakeThesisAdapt},
+      {{"mobif_fast", "mobif in less time, with fewer points"}, MakeMobifFast},
+      {{"mobif_restore", "MoBIF, first approach (thesis, section 5.2): restored image"}, MakeThesisRestore},
       {{"orb", "ORB (Rublee 2011), OpenCV's"}, MakeOrb},
       {{"sift", "SIFT (Lowe 2004), OpenCV's"}, MakeSift},
   };

@@ -1,0 +1,40 @@
+/// What the detectors that know about motion blur have in common: they are cv::Feature2D, and they can be told the blur
+/// instead of estimating it.
+
+#pragma once
+
+#include <opencv2/features2d.hpp>
+#include <optional>
+
+#include "algorithms/features/features.h"
+#include "algorithms/features/line_blur.h"
+
+namespace gaitcam {
+
+class BlurAwareFeature : public cv::Feature2D {
+ public:
+  /// Takes this as the whole image's blur from now on, as certain; nullopt: estimate it again.
+  void SetBlur(const std::optional<LineBlur>& blur) { known_blur_ = blur; }
+
+  /// OpenCV's entry. Keypoints cannot be handed in (cv::Exception): they would have to come from the same scale space.
+  /// @param image CV_8UC1 or CV_8UC3 (BGR); an empty one has no features.
+  /// @param mask 0 where no keypoint shall be; empty: everywhere.
+  void detectAndCompute(cv::InputArray image, cv::InputArray mask, std::vector<cv::KeyPoint>& keypoints,
+                        cv::OutputArray descriptors, bool use_provided_keypoints = false) override;
+  void detect(cv::InputArray image, std::vector<cv::KeyPoint>& keypoints, cv::InputArray mask) override;
+
+  int descriptorSize() const override;
+  int descriptorType() const override { return CV_32FC1; }
+  int defaultNorm() const override { return cv::NORM_L2; }
+
+ protected:
+  /// @param grey CV_8UC1, not empty.
+  virtual Features Extract(const cv::Mat& grey) = 0;
+
+  const std::optional<LineBlur>& known_blur() const { return known_blur_; }
+
+ private:
+  std::optional<LineBlur> known_blur_;
+};
+
+}  // namespace gaitcam
