@@ -9,7 +9,8 @@
 namespace gaitcam {
 namespace {
 
-constexpr int kRings = 24;
+constexpr int kFineRings = 4;  ///< In each ring, over which means are taken.
+constexpr double kLeastShare = 0.1, kMostShare = 0.95;
 
 std::vector<float> HannWindow(int length) {
   std::vector<float> window(static_cast<size_t>(length));
@@ -84,26 +85,6 @@ void PowerSpectrum::Add(const cv::Mat& laplacian) {
   }
 }
 
-PowerSpectrum PowerSpectrum::Halved() const {
-  PowerSpectrum half(window_px_ / 2);
-  half.windows_ = windows_;
-  const int n = window_px_, m = n / 2;
-  // A frequency of the coarse grid takes itself whole and its neighbours on the fine grid by half.
-  const auto row_sum = [&](int y, int x) {
-    const float* row = power_.ptr<float>((y + n) % n);
-    const float before = x > 0 ? row[x - 1] : power_.at<float>((n - y) % n, 1);
-    const float after = x < n / 2 ? row[x + 1] : power_.at<float>((n - y) % n, n / 2 - 1);
-    return row[x] + 0.5f * (before + after);
-  };
-  for (int y = 0; y < m; ++y) {
-    for (int x = 0; x <= m / 2; ++x) {
-      half.power_.at<float>(y, x) =
-          row_sum(2 * y, 2 * x) + 0.5f * (row_sum(2 * y - 1, 2 * x) + row_sum(2 * y + 1, 2 * x));
-    }
-  }
-  return half;
-}
-
 cv::Mat Laplacian(const cv::Mat& grey) {
   GAITCAM_ASSERT(grey.type() == CV_8UC1 && grey.rows > 2 && grey.cols > 2);
   cv::Mat out(grey.rows - 2, grey.cols - 2, CV_32FC1);
@@ -117,34 +98,46 @@ cv::Mat Laplacian(const cv::Mat& grey) {
   return out;
 }
 
-std::vector<SpectrumSample> WhitenSpectrum(const PowerSpectrum& spectrum, double low, double high) {
+LogSpectrum MakeLogSpectrum(const PowerSpectrum& spectrum, double low, double high, int rings) {
   const int n = spectrum.window_px(), last = std::min(n / 2, int(high * n));
-  const float scale = 1.0f / float(n), floor = 1e-12f;
-  std::vector<SpectrumSample> samples;
-  std::vector<int> rings;
-  std::vector<double> sum(kRings, 0.0);
-  std::vector<int> count(kRings, 0);
+  const float scale = 1.0f / float(n), least_power = 1e-12f;
+  const int fine_rings = rings * kFineRings;
+  const float rings_per_frequency = float(fine_rings / (high - low));
+  LogSpectrum log;
+  std::vector<std::vector<float>> values(static_cast<size_t>(fine_rings));
   for (int row = -last; row <= last; ++row) {
     const float* power = spectrum.power().ptr<float>((row + n) % n);
     for (int x = row > 0 ? 0 : 1; x <= last; ++x) {
       const float fx = float(x) * scale, fy = float(row) * scale, radius = std::sqrt(fx * fx + fy * fy);
       if (radius < float(low) || radius > float(high)) continue;
-      const int ring = std::min(kRings - 1, int((radius - float(low)) / float(high - low) * kRings));
-      samples.push_back({fx, fy, std::log(power[x] + floor)});
-      rings.push_back(ring);
-      sum[size_t(ring)] += double(samples.back().value);
-      ++count[size_t(ring)];
+      const int ring = std::min(fine_rings - 1, int((radius - float(low)) * rings_per_frequency));
+      log.samples.push_back({fx, fy, std::log(power[x] + least_power), ring});
+      values[size_t(ring)].push_back(log.samples.back().value);
     }
   }
-  double squares = 0;
-  for (size_t i = 0; i < samples.size(); ++i) {
-    const size_t ring = size_t(rings[i]);
-    samples[i].value -= float(sum[ring] / count[ring]);
-    squares += double(samples[i].value) * double(samples[i].value);
+  std::vector<float> means;
+  log.floors.assign(size_t(rings), 0.0f);
+  for (int r = 0; r < fine_rings; ++r) {
+    std::vector<float>& ring = values[size_t(r)];
+    double sum = 0;
+    for (const float v : ring) sum += double(v);
+    means.push_back(ring.empty() ? 0.0f : float(sum / double(ring.size())));
+    if (ring.empty()) continue;
+    const auto low_rank = ring.begin() + long(kLeastShare * double(ring.size()));
+    const auto high_rank = ring.begin() + long(kMostShare * double(ring.size()));
+    std::nth_element(ring.begin(), low_rank, ring.end());
+    const float least = *low_rank;
+    std::nth_element(ring.begin(), high_rank, ring.end());
+    log.floors[size_t(r / kFineRings)] += std::exp(least - *high_rank) / float(kFineRings);
   }
-  const float deviation = float(std::sqrt(squares / double(std::max<size_t>(1, samples.size()))));
-  for (SpectrumSample& s : samples) s.value = deviation > 0 ? std::clamp(s.value / deviation, -3.0f, 3.0f) : 0.0f;
-  return samples;
+  double squares = 0;
+  for (SpectrumSample& s : log.samples) {
+    s.value -= means[size_t(s.ring)];
+    s.ring /= kFineRings;
+    squares += double(s.value) * double(s.value);
+  }
+  log.deviation = float(std::sqrt(squares / double(std::max<size_t>(1, log.samples.size()))));
+  return log;
 }
 
 }  // namespace gaitcam

@@ -10,7 +10,15 @@ namespace gaitcam {
 /// One frequency of half the plane (the other half says the same of a real image).
 struct SpectrumSample {
   float fx = 0, fy = 0;  ///< Cycles per px; x to the right, y down.
-  float value = 0;       ///< Log power, whitened: see WhitenSpectrum.
+  float value = 0;       ///< Log power less the mean over all directions at this radius.
+  int ring = 0;          ///< Of LogSpectrum::rings.
+};
+
+/// Log power between two radial frequencies.
+struct LogSpectrum {
+  std::vector<SpectrumSample> samples;
+  std::vector<float> floors;  ///< Of each ring: power where it is least, in parts of power where it is most.
+  float deviation = 0;        ///< Root mean square of the values.
 };
 
 /// Power at each frequency, summed over overlapping windows (Welch 1967).
@@ -31,8 +39,6 @@ class PowerSpectrum {
   /// CV_32FC1, window_px rows of window_px / 2 + 1: column x is fx = x / window_px, row y is fy = y / window_px, or
   /// minus 1 from half the rows on.
   const cv::Mat& power() const { return power_; }
-  /// The same of half the resolution: sums of neighbouring frequencies.
-  PowerSpectrum Halved() const;
 
  private:
   int window_px_;
@@ -43,8 +49,8 @@ class PowerSpectrum {
 /// Laplacian of an image without what its border would need: CV_32FC1, two rows and columns less.
 cv::Mat Laplacian(const cv::Mat& grey);
 
-/// Log power between two radial frequencies, less its mean over all directions at each radius; then scaled to mean 0
-/// and variance 1, clipped at three standard deviations.
-std::vector<SpectrumSample> WhitenSpectrum(const PowerSpectrum& spectrum, double low, double high);
+/// @param low, high radial frequencies, cycles/px.
+/// @param rings of equal width between them, in each of which a floor is found.
+LogSpectrum MakeLogSpectrum(const PowerSpectrum& spectrum, double low, double high, int rings);
 
 }  // namespace gaitcam

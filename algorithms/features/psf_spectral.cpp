@@ -9,123 +9,114 @@ namespace gaitcam {
 namespace {
 
 constexpr int kLeastSide = 64;
-constexpr int kBins = 128;             ///< Of frequency along a direction.
-constexpr double kExtentStep = 0.25;   ///< px, of the table.
-constexpr double kNullFloor = 0.003;   ///< A null is never seen deeper than this, for leakage and noise.
-constexpr int kCoarseDirections = 60;  ///< Every 3 degrees.
-constexpr int kCandidates = 4;
+constexpr int kDirections = 60;  ///< Of the first search: every 3 degrees.
+constexpr double kDegree = M_PI / 180;
+/// The ripple of a short line is broad, and a structured image resembles it more easily: long lines are looked for
+/// apart from short ones, as many of these as of those.
+constexpr double kLongFrom = 12;
+constexpr size_t kCandidatesEach = 3;
+constexpr double kReach = 2.5;  ///< px, how far a refined extent may lie from the first one.
+constexpr float kFloorShare = 0.3f;
 
-double SincSquared(double x) {
-  if (std::abs(x) < 1e-6) return 1;
-  const double s = std::sin(M_PI * x) / (M_PI * x);
-  return s * s;
+/// Directions whose fit is better than that of their neighbours, best first, at most `most`.
+void AddPeaks(const std::vector<LineFit>& fits, size_t most, std::vector<LineFit>& peaks) {
+  std::vector<LineFit> found;
+  const size_t n = fits.size();
+  for (size_t i = 0; i < n; ++i) {
+    const double here = fits[i].correlation;
+    if (here >= fits[(i + n - 1) % n].correlation && here > fits[(i + 1) % n].correlation) found.push_back(fits[i]);
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const LineFit& a, const LineFit& b) { return a.correlation > b.correlation; });
+  found.resize(std::min(found.size(), most));
+  peaks.insert(peaks.end(), found.begin(), found.end());
 }
 
 }  // namespace
 
-LineSpectra::LineSpectra(double min_extent_px, double max_extent_px, double high_frequency)
-    : min_extent_px_(min_extent_px),
-      bins_per_frequency_(kBins / high_frequency),
-      bins_(kBins),
-      extents_(int((max_extent_px - min_extent_px) / kExtentStep) + 1),
-      log_power_(size_t(extents_) * size_t(kBins)) {
-  constexpr int kTaps = 5;  // a bin holds a range of frequencies
-  for (int e = 0; e < extents_; ++e) {
-    const double extent = min_extent_px + e * kExtentStep;
-    for (int b = 0; b < bins_; ++b) {
-      double sum = 0;
-      for (int t = 0; t < kTaps; ++t) sum += SincSquared(extent * (b + (t + 0.5) / kTaps) / bins_per_frequency_);
-      log_power_[size_t(e) * size_t(bins_) + size_t(b)] = float(std::log(sum / kTaps + kNullFloor));
-    }
+void SpectralOptions::Check() const {
+  CheckFields(*this);
+  if ((window_px & (window_px - 1)) != 0) {
+    throw BadOption("window_px: " + std::to_string(window_px) + " is not a power of two");
   }
-}
-
-LineSpectra::Profile LineSpectra::Project(const std::vector<SpectrumSample>& samples, double direction_rad) const {
-  Profile profile{std::vector<float>(size_t(bins_), 0.0f), std::vector<float>(size_t(bins_), 0.0f)};
-  const float c = float(std::cos(direction_rad) * bins_per_frequency_);
-  const float s = float(std::sin(direction_rad) * bins_per_frequency_);
-  for (const SpectrumSample& sample : samples) {
-    const int bin = std::min(bins_ - 1, int(std::abs(sample.fx * c + sample.fy * s)));
-    profile.sum[size_t(bin)] += sample.value;
-    profile.count[size_t(bin)] += 1.0f;
-  }
-  return profile;
-}
-
-LineSpectra::Fit LineSpectra::Best(const Profile& profile) const {
-  float total = 0;
-  for (const float n : profile.count) total += n;
-  std::vector<float> scores(static_cast<size_t>(extents_));
-  for (int e = 0; e < extents_; ++e) {
-    const float* model = log_power_.data() + size_t(e) * size_t(bins_);
-    float dot = 0, sum = 0, squares = 0;
-    for (int b = 0; b < bins_; ++b) {
-      dot += profile.sum[size_t(b)] * model[b];
-      sum += profile.count[size_t(b)] * model[b];
-      squares += profile.count[size_t(b)] * model[b] * model[b];
-    }
-    const float variance = squares / total - (sum / total) * (sum / total);
-    scores[size_t(e)] = variance > 0 ? dot / total / std::sqrt(variance) : -1.0f;
-  }
-  const int best = int(std::max_element(scores.begin(), scores.end()) - scores.begin());
-  Fit fit;
-  fit.correlation = double(scores[size_t(best)]);
-  double offset = 0;
-  if (best > 0 && best + 1 < extents_) {
-    const double before = double(scores[size_t(best - 1)]), after = double(scores[size_t(best + 1)]);
-    const double curvature = before - 2 * fit.correlation + after;
-    if (curvature < 0) offset = std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5);
-  }
-  fit.extent_px = min_extent_px_ + (best + offset) * kExtentStep;
-  return fit;
+  if (!(max_extent_px > min_extent_px)) throw BadOption("max_extent_px must be greater than min_extent_px");
 }
 
 SpectralPsf::SpectralPsf(const SpectralOptions& options)
-    : options_(options), spectra_(options.min_extent_px, options.max_extent_px, options.high_frequency) {
-  CheckFields(options_);
-  if ((options_.window_px & (options_.window_px - 1)) != 0) throw BadOption("window_px: must be a power of two");
+    : options_((options.Check(), options)),
+      spectra_(options.window_px, options.min_extent_px, options.max_extent_px, options.high_frequency) {}
+
+std::vector<LineFit> SpectralPsf::Candidates(const LogSpectrum& log) const {
+  std::vector<float> floors = log.floors;
+  for (float& floor : floors) floor *= kFloorShare;
+  const LineSpectra::Templates templates =
+      spectra_.MakeTemplates(log, floors, options_.min_extent_px, options_.max_extent_px);
+  const int all = int(templates.norms.size()), split = spectra_.Index(templates, kLongFrom);
+  std::vector<LineFit> short_fits, long_fits;
+  for (int i = 0; i < kDirections; ++i) {
+    const double direction = M_PI * i / kDirections;
+    const Eigen::VectorXf correlations = spectra_.Correlate(log, templates, direction);
+    for (auto [fits, begin, end] : {std::tuple(&short_fits, 0, split), std::tuple(&long_fits, split, all)}) {
+      if (begin >= end) continue;
+      fits->push_back(spectra_.Best(templates, correlations, begin, end));
+      fits->back().direction_rad = direction;
+    }
+  }
+  std::vector<LineFit> candidates;
+  AddPeaks(short_fits, kCandidatesEach, candidates);
+  AddPeaks(long_fits, kCandidatesEach, candidates);
+  return candidates;
+}
+
+LineFit SpectralPsf::Refine(const LogSpectrum& log, LineFit fit, double& agreement) const {
+  const LineSpectra::Templates templates = spectra_.MakeTemplates(log, spectra_.MeasureFloors(log, fit, log.floors),
+                                                                  fit.extent_px - kReach, fit.extent_px + kReach);
+  const auto at = [&](double direction) {
+    const Eigen::VectorXf correlations = spectra_.Correlate(log, templates, direction);
+    LineFit found = spectra_.Best(templates, correlations, 0, int(correlations.size()));
+    found.direction_rad = direction;
+    return found;
+  };
+  fit = at(fit.direction_rad);
+  for (double step = 1.5 * kDegree; step > 0.1 * kDegree; step /= 2) {
+    const double middle = fit.direction_rad;
+    for (const double direction : {middle - step, middle + step}) {
+      const LineFit beside = at(direction);
+      if (beside.correlation > fit.correlation) fit = beside;
+    }
+  }
+  agreement = spectra_.Agreement(log, templates, fit);
+  return fit;
+}
+
+BlurEstimate SpectralPsf::Estimate(const PowerSpectrum& spectrum) const {
+  GAITCAM_ASSERT(spectrum.window_px() == options_.window_px);
+  if (spectrum.empty()) return {};
+  const LogSpectrum log =
+      MakeLogSpectrum(spectrum, options_.low_frequency, options_.high_frequency, LineSpectra::kRings);
+  LineFit best;
+  double best_agreement = 0;
+  for (const LineFit& candidate : Candidates(log)) {
+    double agreement = 0;
+    const LineFit fit = Refine(log, candidate, agreement);
+    if (agreement <= best_agreement) continue;
+    best = fit;
+    best_agreement = agreement;
+  }
+  BlurEstimate estimate;
+  estimate.blur = {best.extent_px, std::fmod(best.direction_rad + M_PI, M_PI)};
+  estimate.confidence = std::min(best_agreement, 1.0);
+  estimate.blurred = estimate.blur.extent_px >= options_.verdict_px && estimate.confidence >= options_.min_confidence;
+  return estimate;
 }
 
 BlurEstimate SpectralPsf::Estimate(const cv::Mat& grey, const cv::Rect& region) const {
   GAITCAM_ASSERT(grey.type() == CV_8UC1);
   const cv::Rect seen = region & cv::Rect({0, 0}, grey.size());
   if (seen.width < kLeastSide || seen.height < kLeastSide) return {};
-  int window = options_.window_px;
-  while (window > 64 && window / 2 >= std::max(seen.width, seen.height)) window /= 2;
-  PowerSpectrum spectrum(window);
+  PowerSpectrum spectrum(options_.window_px);
   spectrum.Add(Laplacian(grey(seen)));
-  if (spectrum.empty()) return {};
-
-  const auto fit_at = [&](const std::vector<SpectrumSample>& samples, double direction) {
-    LineSpectra::Fit fit = spectra_.Best(spectra_.Project(samples, direction));
-    fit.direction_rad = direction;
-    return fit;
-  };
-  const std::vector<SpectrumSample> coarse =
-      WhitenSpectrum(spectrum.Halved(), options_.low_frequency, options_.high_frequency);
-  std::vector<LineSpectra::Fit> fits;
-  for (int i = 0; i < kCoarseDirections; ++i) fits.push_back(fit_at(coarse, M_PI * i / kCoarseDirections));
-  std::stable_sort(fits.begin(), fits.end(),
-                   [](const auto& a, const auto& b) { return a.correlation > b.correlation; });
-
-  const std::vector<SpectrumSample> fine = WhitenSpectrum(spectrum, options_.low_frequency, options_.high_frequency);
-  LineSpectra::Fit best;
-  for (int k = 0; k < kCandidates; ++k) {
-    LineSpectra::Fit here = fit_at(fine, fits[size_t(k)].direction_rad);
-    for (double step = 1.5 * M_PI / 180; step > 0.1 * M_PI / 180; step /= 2) {
-      const double middle = here.direction_rad;
-      for (const double side : {-step, step}) {
-        const LineSpectra::Fit there = fit_at(fine, middle + side);
-        if (there.correlation > here.correlation) here = there;
-      }
-    }
-    if (here.correlation > best.correlation) best = here;
-  }
-  BlurEstimate estimate;
-  estimate.blur = {best.extent_px, std::fmod(best.direction_rad + M_PI, M_PI)};
-  estimate.confidence = std::clamp(best.correlation, 0.0, 1.0);
-  estimate.blurred = estimate.blur.extent_px >= options_.verdict_px && estimate.confidence >= options_.min_confidence;
-  return estimate;
+  return Estimate(spectrum);
 }
 
 }  // namespace gaitcam

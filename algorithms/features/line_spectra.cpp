@@ -1,0 +1,204 @@
+#include "algorithms/features/line_spectra.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr double kLeastFloor = 0.003;  ///< A zero is never seen deeper than this.
+/// A floor is measured too high, as a zero's neighbourhood counts for it, and too high a floor shortens the blur (by
+/// 0.5 px at 20 px and noise of 5 grey levels), while too low a one costs next to nothing.
+constexpr double kFloorShare = 0.2;
+
+double SincSquared(double x) {
+  if (std::abs(x) < 1e-6) return 1;
+  const double s = std::sin(M_PI * x) / (M_PI * x);
+  return s * s;
+}
+
+/// Power of a Hann window's transform at x / length, its main lobe alone.
+double HannKernel(double x) {
+  if (std::abs(x) >= 2) return 0;
+  if (std::abs(std::abs(x) - 1) < 1e-6) return 0.25;
+  return SincSquared(x) / ((1 - x * x) * (1 - x * x));
+}
+
+/// The window's kernel, widened by a bin of `fine` steps; sums to 1.
+std::vector<double> SmearingKernel(int window_px, double step, int fine) {
+  const int half = int(std::ceil(2 / (window_px * step))) + fine / 2;
+  std::vector<double> kernel;
+  double total = 0;
+  for (int i = -half; i <= half; ++i) {
+    double sum = 0;
+    for (int j = 0; j < fine; ++j) sum += HannKernel((i + j - 0.5 * (fine - 1)) * step * window_px);
+    kernel.push_back(sum);
+    total += sum;
+  }
+  for (double& k : kernel) k /= total;
+  return kernel;
+}
+
+/// Takes from each value the mean over the values within `reach` of it; they go on mirrored below the first one.
+template <class Row>
+void SubtractRunningMean(Row&& row, double reach) {
+  const int n = int(row.size());
+  std::vector<double> sums(size_t(n) + 1, 0.0);
+  for (int b = 0; b < n; ++b) sums[size_t(b) + 1] = sums[size_t(b)] + double(row[b]);
+  const auto integral = [&](double x) {
+    const double y = std::min(double(n) - 1e-9, std::abs(x));
+    const size_t i = size_t(y);
+    const double value = sums[i] + (y - double(i)) * (sums[i + 1] - sums[i]);
+    return x < 0 ? -value : value;
+  };
+  for (int b = 0; b < n; ++b) {
+    const double low = b + 0.5 - reach, high = std::min(double(n), b + 0.5 + reach);
+    row[b] -= float((integral(high) - integral(low)) / (high - low));
+  }
+}
+
+}  // namespace
+
+LineSpectra::LineSpectra(int window_px, double min_extent_px, double max_extent_px, double high_frequency)
+    : min_extent_px_(min_extent_px),
+      high_frequency_(high_frequency),
+      extents_(int((max_extent_px - min_extent_px) / kExtentStep) + 1),
+      power_(kBins, extents_) {
+  GAITCAM_ASSERT(min_extent_px > 0 && max_extent_px > min_extent_px && high_frequency > 0);
+  constexpr int kFine = 4;  // steps in a bin
+  const double step = high_frequency / (kBins * kFine);
+  const std::vector<double> kernel = SmearingKernel(window_px, step, kFine);
+  const int reach = int(kernel.size()) / 2;
+  std::vector<double> fine(size_t(kBins * kFine + reach + 1));
+  for (int e = 0; e < extents_; ++e) {
+    const double extent = min_extent_px + e * kExtentStep;
+    for (size_t i = 0; i < fine.size(); ++i) fine[i] = SincSquared(extent * double(i) * step);
+    for (int b = 0; b < kBins; ++b) {
+      double sum = 0;
+      for (int k = -reach; k <= reach; ++k) {
+        sum += kernel[size_t(k + reach)] * fine[size_t(std::abs(b * kFine + kFine / 2 + k))];
+      }
+      power_(b, e) = float(sum);
+    }
+  }
+}
+
+LineSpectra::Templates LineSpectra::MakeTemplates(const LogSpectrum& log, const std::vector<float>& floors,
+                                                  double low_px, double high_px) const {
+  GAITCAM_ASSERT(floors.size() == kRings);
+  Templates t;
+  t.first = std::clamp(int((low_px - min_extent_px_) / kExtentStep), 0, extents_ - 1);
+  const int count = std::clamp(int((high_px - min_extent_px_) / kExtentStep) + 1, t.first + 1, extents_) - t.first;
+  t.values.resize(kRings * kBins, count);
+  t.norms.resize(count);
+  // How many samples there are in a bin hardly depends on the direction: take any.
+  const Eigen::VectorXf samples = MakeProfile(log, 0.6).count;
+  for (int e = 0; e < count; ++e) {
+    const double half_period = 0.5 / (min_extent_px_ + (t.first + e) * kExtentStep) / high_frequency_ * kBins;
+    float squares = 0;
+    for (int r = 0; r < kRings; ++r) {
+      const auto weight = samples.segment<kBins>(r * kBins);
+      auto ripple = t.values.col(e).segment<kBins>(r * kBins);
+      const float floor = std::max(float(kLeastFloor), floors[size_t(r)]);
+      for (int b = 0; b < kBins; ++b) ripple[b] = std::log(power_(b, t.first + e) + floor);
+      SubtractRunningMean(ripple, half_period);
+      const float total = weight.sum();
+      if (total > 0) ripple.array() -= weight.dot(ripple) / total;
+      squares += (weight.array() * ripple.array().square()).sum();
+    }
+    t.norms[e] = std::sqrt(squares);
+  }
+  return t;
+}
+
+LineSpectra::Profile LineSpectra::MakeProfile(const LogSpectrum& log, double direction_rad) const {
+  Profile profile{Eigen::VectorXf::Zero(kRings * kBins), Eigen::VectorXf::Zero(kRings * kBins)};
+  const float c = float(std::cos(direction_rad) * kBins / high_frequency_);
+  const float s = float(std::sin(direction_rad) * kBins / high_frequency_);
+  for (const SpectrumSample& sample : log.samples) {
+    const int bin = sample.ring * kBins + std::min(kBins - 1, int(std::abs(sample.fx * c + sample.fy * s)));
+    profile.sum[bin] += sample.value;
+    profile.count[bin] += 1.0f;
+  }
+  return profile;
+}
+
+Eigen::VectorXf LineSpectra::Correlate(const LogSpectrum& log, const Templates& templates, double direction_rad) const {
+  const float length = log.deviation * std::sqrt(float(log.samples.size()));
+  if (!(length > 0)) return Eigen::VectorXf::Zero(templates.norms.size());
+  const Eigen::VectorXf dots = templates.values.transpose() * MakeProfile(log, direction_rad).sum;
+  return dots.array() / (templates.norms.array() * length);
+}
+
+LineFit LineSpectra::Best(const Templates& templates, const Eigen::VectorXf& correlations, int begin, int end) const {
+  GAITCAM_ASSERT(begin >= 0 && begin < end && end <= correlations.size());
+  int best = begin;
+  for (int e = begin; e < end; ++e) {
+    if (correlations[e] > correlations[best]) best = e;
+  }
+  LineFit fit;
+  fit.correlation = double(correlations[best]);
+  double offset = 0;
+  if (best > 0 && best + 1 < correlations.size()) {
+    const double before = double(correlations[best - 1]), after = double(correlations[best + 1]);
+    const double curvature = before - 2 * fit.correlation + after;
+    if (curvature < 0) offset = std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5);
+    fit.correlation -= 0.25 * (before - after) * offset;
+  }
+  fit.extent_px = min_extent_px_ + (templates.first + best + offset) * kExtentStep;
+  return fit;
+}
+
+int LineSpectra::Index(const Templates& templates, double extent_px) const {
+  const int row = int(std::ceil((extent_px - min_extent_px_) / kExtentStep)) - templates.first;
+  return std::clamp(row, 0, int(templates.norms.size()));
+}
+
+std::vector<float> LineSpectra::MeasureFloors(const LogSpectrum& log, const LineFit& fit,
+                                              const std::vector<float>& otherwise) const {
+  constexpr float kLit = 0.3f, kDark = 0.08f;  // of a period from its middle, and from zeros
+  constexpr int kLeastSamples = 8;
+  struct Mean {
+    double sum = 0;
+    int count = 0;
+  };
+  std::vector<Mean> lit(kRings), dark(kRings);
+  const float c = float(std::cos(fit.direction_rad) * fit.extent_px);
+  const float s = float(std::sin(fit.direction_rad) * fit.extent_px);
+  for (const SpectrumSample& sample : log.samples) {
+    const float u = std::abs(sample.fx * c + sample.fy * s), zero = std::round(u);
+    const bool is_dark = zero >= 1 && zero <= 3 && std::abs(u - zero) < kDark;
+    if (u >= kLit && !is_dark) continue;
+    Mean& mean = (is_dark ? dark : lit)[size_t(sample.ring)];
+    mean.sum += double(sample.value);
+    ++mean.count;
+  }
+  std::vector<float> floors = otherwise;
+  for (size_t r = 0; r < size_t(kRings); ++r) {
+    if (lit[r].count < kLeastSamples || dark[r].count < kLeastSamples) continue;
+    floors[r] = float(kFloorShare * std::exp(dark[r].sum / dark[r].count - lit[r].sum / lit[r].count));
+  }
+  return floors;
+}
+
+double LineSpectra::Agreement(const LogSpectrum& log, const Templates& templates, const LineFit& fit) const {
+  Profile profile = MakeProfile(log, fit.direction_rad);
+  const double row = (fit.extent_px - min_extent_px_) / kExtentStep - templates.first;
+  const int nearest = std::clamp(int(std::lround(row)), 0, int(templates.norms.size()) - 1);
+  double dot = 0, seen = 0, expected = 0;
+  for (int r = 0; r < kRings; ++r) {
+    auto values = profile.sum.segment<kBins>(r * kBins);
+    const auto weight = profile.count.segment<kBins>(r * kBins);
+    for (int b = 0; b < kBins; ++b) values[b] = weight[b] > 0 ? values[b] / weight[b] : b > 0 ? values[b - 1] : 0;
+    SubtractRunningMean(values, 0.5 / fit.extent_px / high_frequency_ * kBins);
+    const auto ripple = templates.values.col(nearest).segment<kBins>(r * kBins);
+    dot += double((weight.array() * values.array() * ripple.array()).sum());
+    seen += double((weight.array() * values.array().square()).sum());
+    expected += double((weight.array() * ripple.array().square()).sum());
+  }
+  return seen > 0 && expected > 0 ? dot / std::sqrt(seen * expected) : 0;
+}
+
+}  // namespace gaitcam
