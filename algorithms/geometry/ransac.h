@@ -4,18 +4,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
+#include "algorithms/core/fields.h"
 #include "algorithms/core/random.h"
 
 namespace gaitcam {
 
+/// Of every estimator behind EstimateRobustly (algorithms/geometry/robust.h).
 struct RansacOptions {
   double threshold = 0.005;    ///< Largest residual of an inlier, in the residual's own unit.
   double confidence = 0.9999;  ///< Stop once a better model has been missed with less than 1 - this probability.
   int max_iterations = 300;
-  int min_iterations = 20;  ///< Among models that all have every inlier, noise decides: look at a few.
+  int min_iterations = 20;           ///< Among models that all have every inlier, noise decides: look at a few.
+  std::string estimator = "ransac";  ///< ransac | mlesac | preemptive; Ransac() itself does not look at it.
+  double outlier_span = 1.0;         ///< mlesac: residuals of mismatches are uniform over this range.
+  int block = 100;                   ///< preemptive: data judged between two halvings of the hypotheses.
 };
+
+inline Words RobustEstimators() { return OneOf({"ransac", "mlesac", "preemptive"}); }
 
 /// A model and who agrees with it. No inliers: no model was found.
 template <class Model>

@@ -3,65 +3,16 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/calib3d.hpp>
+#include <limits>
+
+#include "algorithms/geometry/homography.h"
+#include "algorithms/geometry/relative_motion.h"
+#include "algorithms/geometry/robust.h"
 
 namespace gaitcam {
 namespace {
 
 constexpr size_t kFewestPairs = 8;  // five determine the pose; three more to tell a pose from chance
-
-Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d S;
-  S << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return S;
-}
-
-/// E = [t]x R of the motion p_B = R p_A + t.
-struct Motion {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d t = Eigen::Vector3d::UnitX();
-  Eigen::Matrix3d E() const { return Skew(t) * R; }
-};
-
-/// Depths (z_A, z_B) of the point nearest to both rays: z_B b = z_A R a + t in least squares.
-Eigen::Vector2d Depths(const Motion& motion, const PointPair& pair) {
-  Eigen::Matrix<double, 3, 2> A;
-  A.col(0) = -(motion.R * pair.a.homogeneous());
-  A.col(1) = pair.b.homogeneous();
-  const Eigen::Matrix2d N = A.transpose() * A;
-  const double determinant = N.determinant();
-  if (!(std::abs(determinant) > 1e-14)) return {-1, -1};  // parallel rays have no depth
-  return N.inverse() * (A.transpose() * motion.t);
-}
-
-bool InFront(const Motion& motion, const PointPair& pair) { return (Depths(motion, pair).array() > 0).all(); }
-
-/// The four motions of an essential matrix (Hartley and Zisserman 2003, result 9.19).
-std::vector<Motion> Decompose(const Eigen::Matrix3d& E) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(E, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d U = svd.matrixU(), V = svd.matrixV(), W;
-  if (U.determinant() < 0) U = -U;
-  if (V.determinant() < 0) V = -V;
-  W << 0, -1, 0, 1, 0, 0, 0, 0, 1;
-  const Eigen::Vector3d t = U.col(2);
-  const Eigen::Matrix3d R1 = U * W * V.transpose(), R2 = U * W.transpose() * V.transpose();
-  return {{R1, t}, {R1, -t}, {R2, t}, {R2, -t}};
-}
-
-/// The decomposition that puts most points before both cameras.
-Motion ChooseByDepth(const Eigen::Matrix3d& E, const std::vector<PointPair>& pairs, const std::vector<int>& inliers) {
-  Motion best;
-  int most = -1;
-  for (const Motion& motion : Decompose(E)) {
-    int count = 0;
-    for (const int i : inliers) count += InFront(motion, pairs[size_t(i)]);
-    if (count > most) {
-      most = count;
-      best = motion;
-    }
-  }
-  return best;
-}
 
 /// Normal equations of the inliers' Sampson errors in (turn w of R exp(w), t along its two tangents); the errors'
 /// denominators are held fixed.
@@ -71,13 +22,13 @@ struct NormalEquations {
   double error2 = 0;
   Eigen::Vector3d u, v;  ///< Tangents of the sphere of directions at t.
 
-  NormalEquations(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Motion& motion)
+  NormalEquations(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const RelativeMotion& motion)
       : u(motion.t.unitOrthogonal()), v(motion.t.cross(u)) {
     const Eigen::Matrix3d E = motion.E();
     std::vector<Eigen::Matrix3d> derivative;
-    for (int k = 0; k < 3; ++k) derivative.push_back(E * Skew(Eigen::Vector3d::Unit(k)));
-    derivative.push_back(Skew(u) * motion.R);
-    derivative.push_back(Skew(v) * motion.R);
+    for (int k = 0; k < 3; ++k) derivative.push_back(E * CrossMatrix(Eigen::Vector3d::Unit(k)));
+    derivative.push_back(CrossMatrix(u) * motion.R);
+    derivative.push_back(CrossMatrix(v) * motion.R);
     for (const int i : inliers) {
       const Eigen::Vector3d a = pairs[size_t(i)].a.homogeneous(), b = pairs[size_t(i)].b.homogeneous();
       const Eigen::Vector3d Ea = E * a, Etb = E.transpose() * b;
@@ -92,7 +43,7 @@ struct NormalEquations {
 };
 
 /// One Gauss-Newton step.
-void Refine(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, Motion& motion) {
+void Refine(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, RelativeMotion& motion) {
   const NormalEquations equations(pairs, inliers, motion);
   const Eigen::Matrix<double, 5, 1> step = -equations.H.ldlt().solve(equations.g);
   constexpr double kLargestStep = 0.2;  // beyond it (rad) the linearisation is worthless
@@ -103,19 +54,21 @@ void Refine(const std::vector<PointPair>& pairs, const std::vector<int>& inliers
 }
 
 /// Of the direction of X_AB's translation, d = -R^T t: the covariance sigma^2 H^-1 of turn and t, propagated to d.
-double DirectionSigma(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Motion& motion) {
+double DirectionSigma(const std::vector<PointPair>& pairs, const std::vector<int>& inliers,
+                      const RelativeMotion& motion) {
   const NormalEquations equations(pairs, inliers, motion);
   const double sigma2 = equations.error2 / double(inliers.size() - 5);
   const Eigen::Matrix<double, 5, 5> covariance = sigma2 * equations.H.inverse();
   if (!covariance.allFinite()) return M_PI;
   Eigen::Matrix<double, 3, 5> J;  // (R exp(w))^T t = R^T t - w x R^T t to first order
-  J << Skew(motion.R.transpose() * motion.t), motion.R.transpose() * equations.u, motion.R.transpose() * equations.v;
+  J << CrossMatrix(motion.R.transpose() * motion.t), motion.R.transpose() * equations.u,
+      motion.R.transpose() * equations.v;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(J * covariance * J.transpose());
   const double largest = eigen.eigenvalues()[2];
   return largest >= 0 ? std::min(M_PI, std::sqrt(largest)) : M_PI;
 }
 
-std::vector<int> InliersInFront(const std::vector<PointPair>& pairs, const Motion& motion, double threshold) {
+std::vector<int> InliersInFront(const std::vector<PointPair>& pairs, const RelativeMotion& motion, double threshold) {
   std::vector<int> inliers;
   const Eigen::Matrix3d E = motion.E();
   for (size_t i = 0; i < pairs.size(); ++i) {
@@ -124,44 +77,81 @@ std::vector<int> InliersInFront(const std::vector<PointPair>& pairs, const Motio
   return inliers;
 }
 
-/// The rotation that alone brings the rays a nearest to the rays b (Arun, Huang and Blostein, PAMI 1987).
-Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::vector<int>& inliers) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (const int i : inliers) {
-    sum += pairs[size_t(i)].b.homogeneous().normalized() * pairs[size_t(i)].a.homogeneous().normalized().transpose();
+/// Sum over all pairs of min(Sampson error^2, threshold^2), points behind a camera counting in full.
+double Score(const std::vector<PointPair>& pairs, const RelativeMotion& motion, double threshold) {
+  const Eigen::Matrix3d E = motion.E();
+  const double limit2 = threshold * threshold;
+  double score = 0;
+  for (const PointPair& pair : pairs) {
+    const double error2 = SampsonError2(E, pair);
+    score += error2 < limit2 && InFront(motion, pair) ? error2 : limit2;
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+  return score;
+}
+
+struct ScoredMotion {
+  RelativeMotion motion;
+  double score;
+};
+
+/// Descends from `start`, then chooses again among the four decompositions.
+ScoredMotion Descend(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, RelativeMotion start,
+                     double threshold) {
+  constexpr int kSteps = 8;
+  for (int step = 0; step < kSteps; ++step) Refine(pairs, inliers, start);
+  const RelativeMotion chosen = ChooseByDepth(start.E(), pairs, inliers);
+  return {chosen, Score(pairs, chosen, threshold)};
 }
 
 /// Small motions leave the two-view error with several minima, of which some trade a sideways motion for a turn
-/// (Chiuso, Brockett and Soatto, IJCV 2000). So descends from RANSAC's answer and from its rotation with each axis as
-/// direction, and keeps the lowest.
-Motion RefineFromSeveral(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Motion& found,
-                         const RansacOptions& options) {
-  std::vector<Motion> starts = {found};
+/// (Chiuso, Brockett and Soatto, IJCV 2000), and views of a plane have two. So descends from the robust answer, from
+/// its rotation with each axis as direction, and from what the inliers' homography allows. Lowest score first.
+std::vector<ScoredMotion> RefineFromSeveral(const std::vector<PointPair>& pairs, const std::vector<int>& inliers,
+                                            const RelativeMotion& found, const std::optional<Eigen::Matrix3d>& H,
+                                            double threshold) {
+  std::vector<RelativeMotion> starts = {found};
   for (const Eigen::Matrix3d& R : {found.R, RotationAlone(pairs, inliers)}) {
     for (int axis = 0; axis < 3; ++axis) starts.push_back({R, Eigen::Vector3d::Unit(axis)});
   }
-  Motion best = found;
-  double lowest = std::numeric_limits<double>::infinity();
-  constexpr int kSteps = 8;
-  for (Motion& motion : starts) {
-    for (int step = 0; step < kSteps; ++step) Refine(pairs, inliers, motion);
-    motion = ChooseByDepth(motion.E(), pairs, inliers);
-    const Eigen::Matrix3d E = motion.E();
-    double score = 0;
-    for (const PointPair& pair : pairs) {
-      score += InFront(motion, pair) ? std::min(SampsonError2(E, pair), options.threshold * options.threshold)
-                                     : options.threshold * options.threshold;
-    }
-    if (score < lowest) {
-      lowest = score;
-      best = motion;
+  if (H) {
+    for (const PlaneMotion& motion : DecomposeHomography(*H)) {
+      if (motion.t.norm() > 0 && motion.normal.z() > 0) starts.push_back({motion.R, motion.t.normalized()});
     }
   }
-  return best;
+  std::vector<ScoredMotion> refined;
+  for (const RelativeMotion& start : starts) refined.push_back(Descend(pairs, inliers, start, threshold));
+  std::stable_sort(refined.begin(), refined.end(),
+                   [](const ScoredMotion& a, const ScoredMotion& b) { return a.score < b.score; });
+  return refined;
+}
+
+/// Torr's geometric robust information criterion: smaller is the better model of `n` pairs.
+/// @param dimension  of the manifold a model confines a pair (4 numbers) to
+/// @param parameters of the model
+template <class Error2>
+double Gric(const std::vector<int>& use, double sigma2, int dimension, int parameters, Error2 error2) {
+  const double limit = 2.0 * (4 - dimension), n = double(use.size());
+  double sum = std::log(4.0) * dimension * n + std::log(4.0 * n) * parameters;
+  for (const int i : use) sum += std::min(error2(i) / sigma2, limit);
+  return sum;
+}
+
+/// Is it a turn alone, or a plane? Errors are weighed with the noise that the general model leaves.
+void Judge(const std::vector<PointPair>& pairs, const RelativeMotion& motion, const std::optional<Eigen::Matrix3d>& H,
+           TwoView& result) {
+  const std::vector<int>& use = result.inliers;
+  const Eigen::Matrix3d E = motion.E(), R = RotationAlone(pairs, use);
+  double sigma2 = 0;
+  for (const int i : use) sigma2 += SampsonError2(E, pairs[size_t(i)]) / double(use.size() - 5);
+  sigma2 = std::max(sigma2, 1e-16);
+  // A transfer error lives in one image: half of its square is what both images' errors would have to be.
+  const double general = Gric(use, sigma2, 3, 5, [&](int i) { return SampsonError2(E, pairs[size_t(i)]); });
+  const double turn = Gric(use, sigma2, 2, 3, [&](int i) { return TransferError2(R, pairs[size_t(i)]) / 2; });
+  result.rotation_only = turn < general;
+  if (H) {
+    const double plane = Gric(use, sigma2, 2, 8, [&](int i) { return TransferError2(*H, pairs[size_t(i)]) / 2; });
+    result.planar = !result.rotation_only && plane < general;
+  }
 }
 
 double MedianParallax(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Eigen::Matrix3d& R) {
@@ -176,50 +166,49 @@ double MedianParallax(const std::vector<PointPair>& pairs, const std::vector<int
 
 }  // namespace
 
-std::vector<Eigen::Matrix3d> SolveFivePoint(const std::vector<PointPair>& five) {
-  std::vector<cv::Point2d> a, b;
-  for (const PointPair& pair : five) {
-    a.emplace_back(pair.a.x(), pair.a.y());
-    b.emplace_back(pair.b.x(), pair.b.y());
-  }
-  // With exactly five pairs OpenCV's estimator draws no sample: it returns all solutions, stacked.
-  const cv::Mat stacked = cv::findEssentialMat(a, b, cv::Mat::eye(3, 3, CV_64F), cv::RANSAC, 0.99, 1.0);
-  std::vector<Eigen::Matrix3d> solutions;
-  for (int row = 0; row + 3 <= stacked.rows; row += 3) {
-    Eigen::Matrix3d E;
-    for (int i = 0; i < 9; ++i) E(i / 3, i % 3) = stacked.at<double>(row + i / 3, i % 3);
-    if (E.allFinite() && E.norm() > 0) solutions.push_back(E);
-  }
-  return solutions;
-}
-
-double SampsonError2(const Eigen::Matrix3d& E, const PointPair& pair) {
-  const Eigen::Vector3d Ea = E * pair.a.homogeneous(), Etb = E.transpose() * pair.b.homogeneous();
-  const double algebraic = pair.b.homogeneous().dot(Ea);
-  const double gradient2 = Ea.head<2>().squaredNorm() + Etb.head<2>().squaredNorm();
-  return gradient2 > 0 ? algebraic * algebraic / gradient2 : std::numeric_limits<double>::infinity();
-}
-
-TwoView EstimateTwoView(const std::vector<PointPair>& pairs, const RansacOptions& options, RandomStream& random) {
-  TwoView result;
-  result.X_AB.translation = Eigen::Vector3d::UnitX();
-  if (pairs.size() < kFewestPairs) return result;
+RansacResult<Eigen::Matrix3d> EstimateEssential(const std::vector<PointPair>& pairs, const RansacOptions& options,
+                                                RandomStream& random,
+                                                double (*error2)(const Eigen::Matrix3d&, const PointPair&)) {
   const auto solve = [&](const std::vector<int>& sample) {
     std::vector<PointPair> five;
     for (const int i : sample) five.push_back(pairs[size_t(i)]);
     return SolveFivePoint(five);
   };
-  const auto residual2 = [&](const Eigen::Matrix3d& E, int i) { return SampsonError2(E, pairs[size_t(i)]); };
-  const auto found = Ransac<Eigen::Matrix3d>(int(pairs.size()), 5, options, random, solve, residual2);
-  if (found.inliers.size() < kFewestPairs) return result;
-  Motion motion = RefineFromSeveral(pairs, found.inliers, ChooseByDepth(found.model, pairs, found.inliers), options);
-  std::vector<int> inliers = InliersInFront(pairs, motion, options.threshold);
+  const auto residual2 = [&](const Eigen::Matrix3d& E, int i) { return error2(E, pairs[size_t(i)]); };
+  return EstimateRobustly<Eigen::Matrix3d>(int(pairs.size()), 5, options, random, solve, residual2);
+}
+
+TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d& E, const std::vector<int>& found,
+                      double threshold) {
+  TwoView result;
+  result.X_AB.translation = Eigen::Vector3d::UnitX();
+  if (found.size() < kFewestPairs) return result;
+  const std::optional<Eigen::Matrix3d> H = EstimateHomography(pairs, found);
+  const std::vector<ScoredMotion> refined =
+      RefineFromSeveral(pairs, found, ChooseByDepth(E, pairs, found), H, threshold);
+  const RelativeMotion& motion = refined.front().motion;
+  std::vector<int> inliers = InliersInFront(pairs, motion, threshold);
   if (inliers.size() < kFewestPairs) return result;
   result.X_AB = Pose(motion.R, motion.t).Inverse();
   result.direction_sigma = DirectionSigma(pairs, inliers, motion);
   result.parallax = MedianParallax(pairs, inliers, motion.R);
   result.inliers = std::move(inliers);
+  Judge(pairs, motion, H, result);
+  constexpr double kDifferent = 0.05;   // rad, of the direction: another pose, not the same minimum again
+  constexpr double kAboutAsGood = 1.2;  // scores are sums of squares: 1.1 times the residual
+  for (const ScoredMotion& other : refined) {
+    const bool different = std::acos(std::clamp(other.motion.t.dot(motion.t), -1.0, 1.0)) > kDifferent;
+    if (!result.planar || !different || other.score > kAboutAsGood * refined.front().score) continue;
+    result.alternative = Pose(other.motion.R, other.motion.t).Inverse();
+    break;
+  }
   return result;
+}
+
+TwoView EstimateTwoView(const std::vector<PointPair>& pairs, const RansacOptions& options, RandomStream& random) {
+  if (pairs.size() < kFewestPairs) return RefineTwoView(pairs, Eigen::Matrix3d::Identity(), {}, options.threshold);
+  const auto found = EstimateEssential(pairs, options, random, SampsonError2);
+  return RefineTwoView(pairs, found.model, found.inliers, options.threshold);
 }
 
 }  // namespace gaitcam

@@ -1,0 +1,74 @@
+#include "algorithms/geometry/homography.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+
+#include "algorithms/geometry/eight_point.h"
+
+namespace gaitcam {
+
+std::optional<Eigen::Matrix3d> EstimateHomography(const std::vector<PointPair>& pairs, const std::vector<int>& use) {
+  if (use.size() < 4) return std::nullopt;
+  std::vector<Eigen::Vector2d> as, bs;
+  for (const int i : use) {
+    as.push_back(pairs[size_t(i)].a);
+    bs.push_back(pairs[size_t(i)].b);
+  }
+  const Eigen::Matrix3d Ta = NormalisingTransform(as), Tb = NormalisingTransform(bs);
+  Eigen::Matrix<double, 9, 9> N = Eigen::Matrix<double, 9, 9>::Zero();
+  for (size_t k = 0; k < as.size(); ++k) {
+    const Eigen::Vector3d a = Ta * as[k].homogeneous(), b = Tb * bs[k].homogeneous();
+    Eigen::Matrix<double, 2, 9> rows;
+    rows << a.transpose(), 0, 0, 0, -b.x() * a.transpose(), 0, 0, 0, a.transpose(), -b.y() * a.transpose();
+    N.noalias() += rows.transpose() * rows;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(N);
+  const Eigen::Matrix<double, 9, 1> h = eigen.eigenvectors().col(0);
+  Eigen::Matrix3d H;
+  H << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
+  H = Tb.inverse() * H * Ta;
+  const double middle = Eigen::JacobiSVD<Eigen::Matrix3d>(H).singularValues()[1];
+  if (!H.allFinite() || !(middle > 0)) return std::nullopt;
+  H /= middle;
+  int positive = 0;
+  for (const int i : use) {
+    positive += pairs[size_t(i)].b.homogeneous().dot(H * pairs[size_t(i)].a.homogeneous()) > 0 ? 1 : -1;
+  }
+  return positive >= 0 ? H : Eigen::Matrix3d(-H);
+}
+
+double TransferError2(const Eigen::Matrix3d& H, const PointPair& pair) {
+  const Eigen::Vector3d b = H * pair.a.homogeneous();
+  return b.z() > 0 ? (b.hnormalized() - pair.b).squaredNorm() : std::numeric_limits<double>::infinity();
+}
+
+std::vector<PlaneMotion> DecomposeHomography(const Eigen::Matrix3d& H) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H.transpose() * H);
+  const double middle = eigen.eigenvalues()[1];
+  const double s1 = eigen.eigenvalues()[2] / middle, s3 = eigen.eigenvalues()[0] / middle;  // squared, >= 1 and <= 1
+  const Eigen::Matrix3d G = H / std::sqrt(middle);
+  constexpr double kRotation = 1e-12;
+  if (!(s1 - s3 > kRotation)) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(G, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    return {{svd.matrixU() * svd.matrixV().transpose(), Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ()}};
+  }
+  Eigen::Vector3d v1 = eigen.eigenvectors().col(2);
+  const Eigen::Vector3d v2 = eigen.eigenvectors().col(1), v3 = eigen.eigenvectors().col(0);
+  if (v1.cross(v2).dot(v3) < 0) v1 = -v1;
+  std::vector<PlaneMotion> motions;
+  for (const double sign : {1.0, -1.0}) {
+    const Eigen::Vector3d u =
+        (std::sqrt(std::max(0.0, 1 - s3)) * v1 + sign * std::sqrt(std::max(0.0, s1 - 1)) * v3) / std::sqrt(s1 - s3);
+    Eigen::Matrix3d U, W;
+    U << v2, u, v2.cross(u);
+    W << G * v2, G * u, (G * v2).cross(G * u);
+    const Eigen::Matrix3d R = W * U.transpose();
+    const Eigen::Vector3d n = v2.cross(u), t = (G - R) * n;
+    motions.push_back({R, t, n});
+    motions.push_back({R, -t, -n});
+  }
+  return motions;
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,13 @@
+/// Real roots of a polynomial by Sturm's theorem: as many as there are, each isolated first, none guessed.
+
+#pragma once
+
+#include <vector>
+
+namespace gaitcam {
+
+/// @param coefficients of x^0, x^1, ..., x^n; n at most 16. Leading zeros are dropped.
+/// @returns the distinct real roots, in increasing order. A root of even multiplicity may be lost to rounding.
+std::vector<double> RealRoots(const std::vector<double>& coefficients);
+
+}  // namespace gaitcam

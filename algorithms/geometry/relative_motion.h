@@ -1,0 +1,36 @@
+/// From an essential matrix to a motion.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "algorithms/geometry/epipolar.h"
+
+namespace gaitcam {
+
+/// p_B = R p_A + t with |t| = 1: the pose X_BA; E = [t]x R.
+struct RelativeMotion {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d t = Eigen::Vector3d::UnitX();
+  Eigen::Matrix3d E() const { return CrossMatrix(t) * R; }
+};
+
+/// Depths (z_A, z_B) of the point nearest to both rays: z_B b = z_A R a + t in least squares; (-1, -1) for parallel
+/// rays.
+Eigen::Vector2d Depths(const RelativeMotion& motion, const PointPair& pair);
+
+/// The point lies in front of both cameras.
+bool InFront(const RelativeMotion& motion, const PointPair& pair);
+
+/// The four motions of an essential matrix (Hartley and Zisserman 2003, result 9.19).
+std::vector<RelativeMotion> DecomposeEssential(const Eigen::Matrix3d& E);
+
+/// The decomposition that puts most of the pairs `use` in front of both cameras (thesis 5.4, step 5).
+RelativeMotion ChooseByDepth(const Eigen::Matrix3d& E, const std::vector<PointPair>& pairs,
+                             const std::vector<int>& use);
+
+/// The rotation that alone brings the rays a nearest to the rays b (Arun, Huang and Blostein, PAMI 1987).
+Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::vector<int>& use);
+
+}  // namespace gaitcam

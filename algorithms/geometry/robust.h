@@ -1,0 +1,25 @@
+/// Robust estimation by name.
+
+#pragma once
+
+#include "algorithms/geometry/mlesac.h"
+#include "algorithms/geometry/preemptive_ransac.h"
+#include "algorithms/geometry/ransac.h"
+
+namespace gaitcam {
+
+/// What `options.estimator` names, with the arguments of Ransac(). Scores of different estimators cannot be compared.
+template <class Model, class Solve, class Residual2>
+RansacResult<Model> EstimateRobustly(int n, int sample_size, const RansacOptions& options, RandomStream& random,
+                                     Solve solve, Residual2 residual2, const std::vector<Model>& first_guesses = {}) {
+  if (options.estimator == "mlesac") {
+    return Mlesac<Model>(n, sample_size, options, random, solve, residual2, first_guesses);
+  }
+  if (options.estimator == "preemptive") {
+    return PreemptiveRansac<Model>(n, sample_size, options, random, solve, residual2, first_guesses);
+  }
+  GAITCAM_ASSERT(options.estimator == "ransac");
+  return Ransac<Model>(n, sample_size, options, random, solve, residual2, first_guesses);
+}
+
+}  // namespace gaitcam
