@@ -3,8 +3,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "algorithms/features/sift_descriptor.h"
-
 namespace gaitcam {
 namespace {
 
@@ -23,8 +21,6 @@ Features Masked(const Features& features, const cv::Mat& mask) {
 
 }  // namespace
 
-int BlurAwareFeature::descriptorSize() const { return kSiftLength; }
-
 void BlurAwareFeature::detectAndCompute(cv::InputArray image, cv::InputArray mask, std::vector<cv::KeyPoint>& keypoints,
                                         cv::OutputArray descriptors, bool use_provided_keypoints) {
   CV_Assert(!use_provided_keypoints);
@@ -36,7 +32,7 @@ void BlurAwareFeature::detectAndCompute(cv::InputArray image, cv::InputArray mas
   if (!mask.empty()) features = Masked(features, mask.getMat());
   keypoints = std::move(features.keypoints);
   if (descriptors.needed()) {
-    if (keypoints.empty()) features.descriptors = cv::Mat(0, kSiftLength, CV_32FC1);
+    if (keypoints.empty()) features.descriptors = cv::Mat(0, descriptorSize(), CV_32FC1);
     features.descriptors.copyTo(descriptors);
   }
 }

@@ -23,7 +23,6 @@ class BlurAwareFeature : public cv::Feature2D {
                         cv::OutputArray descriptors, bool use_provided_keypoints = false) override;
   void detect(cv::InputArray image, std::vector<cv::KeyPoint>& keypoints, cv::InputArray mask) override;
 
-  int descriptorSize() const override;
   int descriptorType() const override { return CV_32FC1; }
   int defaultNorm() const override { return cv::NORM_L2; }
 

@@ -71,6 +71,15 @@ bool IsEdge(const ScaleLevel& level, int x, int y, double max_anisotropy) {
   return det <= 0 || trace * trace * r > det * (r + 1) * (r + 1);
 }
 
+/// A dark blob is a minimum of the light: its curvature is positive.
+PointKind KindOf(const ScaleLevel& level, int x, int y, bool blob) {
+  if (!blob) return PointKind::kSaddle;
+  const cv::Mat& l = level.light;
+  const float* row = l.ptr<float>(y) + x;
+  const float curvature = row[2] + row[-2] + l.ptr<float>(y + 2)[x] + l.ptr<float>(y - 2)[x] - 4 * row[0];
+  return curvature > 0 ? PointKind::kDark : PointKind::kBright;
+}
+
 /// Extrema of one level, between its neighbours in scale.
 void FindExtrema(const ScaleOctave& octave, const std::vector<cv::Mat>& determinants, ScalePoint point,
                  const HessianOptions& options, std::vector<ScalePoint>& points) {
@@ -90,6 +99,7 @@ void FindExtrema(const ScaleOctave& octave, const std::vector<cv::Mat>& determin
       point.y = float(y) + offset->y();
       point.scale = float(octave.levels[l].sigma * std::exp2(offset->z() / intervals));
       point.response = std::abs(row[x]);
+      point.kind = KindOf(octave.levels[l], x, y, blob);
       points.push_back(point);
     }
   }

@@ -10,12 +10,16 @@
 
 namespace gaitcam {
 
+/// What an interest point looks like; points of different kinds are never the same.
+enum class PointKind { kDark = 0, kBright = 1, kSaddle = 2 };
+
 /// An interest point of one octave.
 struct ScalePoint {
   int octave = 0, level = 0;  ///< Where its maximum lies: indices into the scale space.
   float x = 0, y = 0;         ///< In the octave's pixels, interpolated.
   float scale = 0;            ///< Characteristic scale in the octave's pixels, interpolated.
-  float response = 0;         ///< Scale-normalised determinant of the Hessian, light from 0 to 1.
+  PointKind kind = PointKind::kDark;
+  float response = 0;  ///< Scale-normalised determinant of the Hessian, light from 0 to 1.
 };
 
 struct HessianOptions {

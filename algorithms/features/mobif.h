@@ -3,6 +3,9 @@
 
 #pragma once
 
+#include <string>
+
+#include "algorithms/core/fields.h"
 #include "algorithms/features/blur_aware_feature.h"
 #include "algorithms/features/hessian_detector.h"
 #include "algorithms/features/scale_space.h"
@@ -14,10 +17,14 @@ namespace gaitcam {
 struct MobifOptions {
   using DescribedTag = void;
   std::string psf = "spectral";     ///< Estimator by name: see psf.h.
+  double least_extent_px = 2;       ///< A shorter blur is left alone.
   double restore_confidence = 0.5;  ///< Of the estimate, from which the image is restored and not just adapted.
+  std::string light = "auto";  ///< Whether light or grey values were added up: "linear", "display", or by the image.
   WienerOptions wiener;
   ScaleSpaceOptions scale_space;
   HessianOptions hessian;
+  /// At most so many points per million pixels; the strongest are kept. hessian.max_points holds as well.
+  double points_per_megapixel = 18000;
   SiftOptions sift;
 
   MobifOptions();
@@ -26,10 +33,13 @@ struct MobifOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("psf", o.psf, AnyText(), "estimator of the point spread function");
+  visit("least_extent_px", o.least_extent_px, AtLeast(0), "a shorter blur is left alone");
   visit("restore_confidence", o.restore_confidence, Between(0, 1), "from which the image is restored");
+  visit("light", o.light, OneOf({"auto", "linear", "display"}), "what the blur added up");
   visit("wiener", o.wiener, Nested(), "restoration");
   visit("scale_space", o.scale_space, Nested(), "scales");
   visit("hessian", o.hessian, Nested(), "interest points");
+  visit("points_per_megapixel", o.points_per_megapixel, AtLeast(100), "at most; the strongest are kept");
   visit("sift", o.sift, Nested(), "descriptors");
 }
 

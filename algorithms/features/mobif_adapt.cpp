@@ -12,12 +12,14 @@ class MobifAdapt : public BlurAwareFeature {
  public:
   explicit MobifAdapt(const MobifAdaptOptions& options) : options_(options) { CheckFields(options_); }
 
+  int descriptorSize() const override { return SiftLength(options_.sift); }
+
  private:
   Features Extract(const cv::Mat& grey) override {
     cv::Mat light;
     grey.convertTo(light, CV_32F, 1 / 255.0);
     Features all;
-    all.descriptors = cv::Mat(0, kSiftLength, CV_32FC1);
+    all.descriptors = cv::Mat(0, descriptorSize(), CV_32FC1);
     for (const BlurRegion& region : Regions(grey)) {
       const Features part = ExtractRegion(light, region);
       all.keypoints.insert(all.keypoints.end(), part.keypoints.begin(), part.keypoints.end());

@@ -10,6 +10,8 @@ class MobifRestore : public BlurAwareFeature {
     psf_ = MakePsfEstimator(options_.psf);
   }
 
+  int descriptorSize() const override { return SiftLength(options_.sift); }
+
  private:
   Features Extract(const cv::Mat& grey) override {
     const LineBlur blur = known_blur() ? *known_blur() : psf_->EstimateWhole(grey).blur;  // 5.2.1

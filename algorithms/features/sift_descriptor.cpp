@@ -190,11 +190,17 @@ cv::Mat Gradients(const cv::Mat& light) {
   return gradients;
 }
 
+int SiftLength(const SiftOptions& options) {
+  constexpr int kKinds = 3;
+  return kSiftLength + (options.kind_weight > 0 ? kKinds : 0);
+}
+
 Features DescribeSift(const ScaleSpace& space, const std::vector<ScalePoint>& points, const SiftOptions& options) {
   CheckFields(options);
   Describer describer(options);
   Features features;
   std::vector<float> rows;
+  const int length = SiftLength(options);
   cv::Mat gradients;
   int of_octave = -1, of_level = -1;
   for (const ScalePoint& p : points) {
@@ -204,15 +210,16 @@ Features DescribeSift(const ScaleSpace& space, const std::vector<ScalePoint>& po
     of_level = p.level;
     for (const float orientation : describer.Orientations(gradients, p)) {
       const size_t row = rows.size();
-      rows.resize(row + kSiftLength);
+      rows.resize(row + size_t(length), 0);
       describer.Describe(gradients, p, orientation, rows.data() + row);
+      if (length > kSiftLength) rows[row + kSiftLength + size_t(p.kind)] = float(options.kind_weight);
       const double degrees = std::fmod(orientation * 180 / CV_PI + 360, 360);
       features.keypoints.emplace_back(
           cv::Point2f(float(octave.origin_px + octave.pitch_px * p.x), float(octave.origin_px + octave.pitch_px * p.y)),
           float(2 * p.scale * octave.pitch_px), float(degrees), p.response, p.octave);
     }
   }
-  features.descriptors = cv::Mat(features.size(), kSiftLength, CV_32FC1);
+  features.descriptors = cv::Mat(features.size(), length, CV_32FC1);
   if (!rows.empty()) std::memcpy(features.descriptors.data, rows.data(), rows.size() * sizeof(float));
   return features;
 }

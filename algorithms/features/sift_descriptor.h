@@ -23,7 +23,10 @@ struct SiftOptions {
   double descriptor_window = 20;   ///< Side of the descriptor's window, in units of the point's scale.
   double descriptor_sigma = 6.7;   ///< Its Gaussian weight, likewise.
   double clip = 0.2;               ///< Entries of the unit vector are cut here, then normalised again (Lowe 2004).
-  bool root = false;               ///< Square root of the entries that sum to 1 (RootSIFT, Arandjelovic 2012).
+  /// Length of three further entries that tell dark blobs, bright blobs and saddles apart; 0: no further entries. Half
+  /// the squared distance of two kinds is this squared.
+  double kind_weight = 0;
+  bool root = false;  ///< Square root of the entries that sum to 1 (RootSIFT, Arandjelovic 2012).
 };
 
 template <class Visitor>
@@ -34,8 +37,12 @@ void VisitFields(Visitor& visit, SiftOptions& o) {
   visit("descriptor_window", o.descriptor_window, Between(4, 60), "side, in units of the point's scale");
   visit("descriptor_sigma", o.descriptor_sigma, Between(1, 40), "Gaussian weight, likewise");
   visit("clip", o.clip, Between(0.05, 1), "entries of the unit vector are cut here");
+  visit("kind_weight", o.kind_weight, Between(0, 2), "length of the entries that tell kinds of points apart");
   visit("root", o.root, Nested(), "RootSIFT");
 }
+
+/// Entries of a descriptor made with these options.
+int SiftLength(const SiftOptions& options);
 
 /// First derivatives of one level as equation 5.9 has them, L(x + 1) - L(x - 1): CV_32FC2, (Lx, Ly); 0 at the border.
 cv::Mat Gradients(const cv::Mat& light);
