@@ -11,6 +11,7 @@
 #include "algorithms/features/mobif.h"
 #include "algorithms/features/mobif_adapt.h"
 #include "algorithms/features/mobif_restore.h"
+#include "algorithms/features/surf.h"
 
 namespace gaitcam {
 namespace {
@@ -57,6 +58,10 @@ cv::Ptr<cv::Feature2D> MakeThesisAdapt(double sensitivity) {
   return MakeMobifAdapt(options);
 }
 
+cv::Ptr<cv::Feature2D> MakeSurf(double sensitivity) {
+  return Surf::create(30 / sensitivity);  // dlib's own default
+}
+
 /// Every detector there is: a new one is one more line here.
 std::vector<Entry> AllFeatures() {
   return {
@@ -67,6 +72,7 @@ std::vector<Entry> AllFeatures() {
       {{"mobif_restore", "MoBIF, first approach (thesis, section 5.2): restored image"}, MakeThesisRestore},
       {{"orb", "ORB (Rublee 2011), OpenCV's"}, MakeOrb},
       {{"sift", "SIFT (Lowe 2004), OpenCV's"}, MakeSift},
+      {{"surf", "SURF-64 (Bay 2008), dlib's"}, MakeSurf},
   };
 }
 

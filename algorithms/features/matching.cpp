@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <limits>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/features/best_bin_first.h"
 
 namespace gaitcam {
 namespace {
@@ -13,7 +13,6 @@ using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMa
 using ConstMap = Eigen::Map<const Matrix, 0, Eigen::OuterStride<>>;
 
 ConstMap View(const cv::Mat& descriptors) {
-  GAITCAM_ASSERT(descriptors.type() == CV_32FC1);
   return {descriptors.ptr<float>(), descriptors.rows, descriptors.cols,
           Eigen::OuterStride<>(Eigen::Index(descriptors.step1()))};
 }
@@ -28,36 +27,94 @@ Matrix SquaredDistances(const cv::Mat& a, const cv::Mat& b) {
   return D.cwiseMax(0.0f);
 }
 
+Matrix HammingDistances(const cv::Mat& a, const cv::Mat& b) {
+  Matrix D(a.rows, b.rows);
+  for (int i = 0; i < a.rows; ++i) {
+    for (int j = 0; j < b.rows; ++j) D(i, j) = float(HammingDistance(a.ptr(i), b.ptr(j), a.cols));
+  }
+  return D;
+}
+
+bool IsBinary(const cv::Mat& descriptors) { return descriptors.type() == CV_8UC1; }
+
+/// Squared where Euclidean, so that roots are drawn of few.
+Matrix AllDistances(const cv::Mat& a, const cv::Mat& b) {
+  return IsBinary(a) ? HammingDistances(a, b) : SquaredDistances(a, b);
+}
+
+/// The two nearest in `b` of each row of `a`; and if `mutual` the nearest in `a` of rows of `b`, else empty.
+struct Neighbours {
+  std::vector<TwoNearest> of_a;
+  std::vector<int> of_b;
+};
+
+Neighbours ExactNeighbours(const cv::Mat& a, const cv::Mat& b, bool mutual) {
+  const Matrix D = AllDistances(a, b);
+  Neighbours neighbours{std::vector<TwoNearest>(size_t(a.rows)), {}};
+  std::vector<float> nearest(mutual ? size_t(b.rows) : 0, std::numeric_limits<float>::infinity());
+  neighbours.of_b.assign(nearest.size(), -1);
+  for (int i = 0; i < a.rows; ++i) {
+    const float* row = &D(i, 0);
+    TwoNearest& two = neighbours.of_a[size_t(i)];
+    for (int j = 0; j < b.rows; ++j) {
+      if (row[j] < two.second_distance) two.Offer(j, row[j]);
+    }
+    for (size_t j = 0; j < nearest.size(); ++j) {
+      if (row[j] < nearest[j]) {
+        nearest[j] = row[j];
+        neighbours.of_b[j] = i;
+      }
+    }
+  }
+  return neighbours;
+}
+
+Neighbours BestBinNeighbours(const cv::Mat& a, const cv::Mat& b, bool mutual, int max_candidates) {
+  Neighbours neighbours{std::vector<TwoNearest>(size_t(a.rows)), {}};
+  const BestBinFirstTree tree_b(b);
+  for (int i = 0; i < a.rows; ++i) neighbours.of_a[size_t(i)] = tree_b.Search(a.row(i), max_candidates);
+  if (!mutual) return neighbours;
+  neighbours.of_b.assign(size_t(b.rows), -1);
+  const BestBinFirstTree tree_a(a);
+  for (const TwoNearest& two : neighbours.of_a) {
+    int& nearest = neighbours.of_b[size_t(two.index)];
+    if (nearest < 0) nearest = tree_a.Search(b.row(two.index), max_candidates).index;
+  }
+  return neighbours;
+}
+
+std::vector<Match> MatchesBelow(const cv::Mat& a, const cv::Mat& b, double max_distance) {
+  if (!(max_distance > 0)) throw BadOption("max_distance: strategy threshold needs one greater than 0");
+  const Matrix D = AllDistances(a, b);
+  const float limit = float(IsBinary(a) ? max_distance : max_distance * max_distance);
+  std::vector<Match> matches;
+  for (int i = 0; i < a.rows; ++i) {
+    for (int j = 0; j < b.rows; ++j) {
+      if (D(i, j) < limit) matches.push_back({i, j, IsBinary(a) ? D(i, j) : std::sqrt(D(i, j))});
+    }
+  }
+  return matches;
+}
+
 }  // namespace
 
 std::vector<Match> MatchDescriptors(const cv::Mat& a, const cv::Mat& b, const MatchingOptions& options) {
   std::vector<Match> matches;
   if (a.empty() || b.empty()) return matches;
-  GAITCAM_ASSERT(a.cols == b.cols);
-  const Matrix D = SquaredDistances(a, b);
-  std::vector<int> nearest_of_b(size_t(b.rows), -1);
-  for (int j = 0; j < b.rows; ++j) {
-    Eigen::Index i = 0;
-    D.col(j).minCoeff(&i);
-    nearest_of_b[size_t(j)] = int(i);
-  }
-  const float ratio_squared = float(options.ratio * options.ratio);
+  GAITCAM_ASSERT(a.cols == b.cols && a.type() == b.type() && (IsBinary(a) || a.type() == CV_32FC1));
+  if (options.strategy == "threshold") return MatchesBelow(a, b, options.max_distance);
+  const Neighbours neighbours = options.search == "bbf"
+                                    ? BestBinNeighbours(a, b, options.mutual, options.max_candidates)
+                                    : ExactNeighbours(a, b, options.mutual);
+  const bool test_ratio = options.strategy == "nndr" && options.ratio < 1;
+  const double power = IsBinary(a) ? 1 : 2;  // distances are squared where Euclidean
+  const float ratio = float(std::pow(options.ratio, power)), limit = float(std::pow(options.max_distance, power));
   for (int i = 0; i < a.rows; ++i) {
-    float best = std::numeric_limits<float>::infinity(), second = best;
-    int best_j = -1;
-    for (int j = 0; j < b.rows; ++j) {
-      const float d = D(i, j);
-      if (d < best) {
-        second = best;
-        best = d;
-        best_j = j;
-      } else if (d < second) {
-        second = d;
-      }
-    }
-    if (options.ratio < 1 && !(best < ratio_squared * second)) continue;
-    if (options.mutual && nearest_of_b[size_t(best_j)] != i) continue;
-    matches.push_back({i, best_j, std::sqrt(best)});
+    const TwoNearest& two = neighbours.of_a[size_t(i)];
+    if (test_ratio && !(two.distance < ratio * two.second_distance)) continue;
+    if (options.max_distance > 0 && !(two.distance < limit)) continue;
+    if (options.mutual && neighbours.of_b[size_t(two.index)] != i) continue;
+    matches.push_back({i, two.index, IsBinary(a) ? two.distance : std::sqrt(two.distance)});
   }
   return matches;
 }

@@ -1,25 +1,47 @@
-/// Which feature of one image is which of another, judged by descriptors alone.
+/// Which feature of one image is which of another, judged by descriptors alone (thesis 3.5.3).
 
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
+
+#include "algorithms/core/fields.h"
 
 namespace gaitcam {
 
 struct MatchingOptions {
-  double ratio =
-      0.8;  ///< Nearest distance over second nearest must be below this (Lowe 2004, section 7.1); 1: no test.
-  bool mutual = true;  ///< Keep only pairs that are each other's nearest.
+  using DescribedTag = void;
+
+  double ratio = 0.8;             ///< nndr: nearest over second nearest distance must be below this (Lowe 2004, section
+                                  ///< 7.1); 1: no test.
+  bool mutual = true;             ///< Keep only pairs that are each other's nearest. Not for `threshold`.
+  std::string strategy = "nndr";  ///< threshold: all pairs near enough, a row may have many; nn: nearest; nndr:
+                                  ///< nearest, and much nearer than the second.
+  double max_distance = 0;       ///< Largest distance of a match; 0: any (not for `threshold`). Euclidean, or bits.
+  std::string search = "exact";  ///< exact, or bbf: best bin first.
+  int max_candidates = 200;      ///< bbf: descriptors compared per query (Beis and Lowe's E_max); 0: until exact.
 };
+
+template <class Visitor>
+void VisitFields(Visitor& visit, MatchingOptions& o) {
+  visit("ratio", o.ratio, Between(0.1, 1.0), "ratio test: nearest over second nearest distance");
+  visit("mutual", o.mutual, Nested(), "keep pairs that are each other's nearest");
+  visit("strategy", o.strategy, OneOf({"threshold", "nn", "nndr"}), "which pairs match");
+  visit("max_distance", o.max_distance, AtLeast(0), "largest distance of a match; 0: any");
+  visit("search", o.search, OneOf({"exact", "bbf"}), "how the nearest is found: all compared, or best bin first");
+  visit("max_candidates", o.max_candidates, AtLeast(0), "bbf: descriptors compared per query; 0: until exact");
+}
 
 struct Match {
   int a = -1, b = -1;  ///< Rows of the two descriptor matrices.
-  float distance = 0;  ///< Euclidean distance of the descriptors.
+  float distance = 0;  ///< Of the descriptors: Euclidean (CV_32F), or number of bits that differ (CV_8U).
 };
 
 /// Pairs each row of `a` with its nearest row of `b`, in the order of `a`; no row of `b` is used twice if `mutual`.
-/// @param a, b CV_32FC1, one descriptor per row, the same number of columns; either may be empty.
+/// Of equally near rows the first. Strategy `threshold`: all pairs below max_distance, in the order of `a`, then `b`.
+/// @param a, b CV_32FC1 or CV_8UC1, one descriptor per row, the same type and number of columns; either may be empty.
+/// @throws BadOption for strategy threshold without a max_distance.
 std::vector<Match> MatchDescriptors(const cv::Mat& a, const cv::Mat& b, const MatchingOptions& options);
 
 }  // namespace gaitcam

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
 
 namespace gaitcam {
@@ -59,6 +60,46 @@ TEST(Matching, MutualPairsUseEachDescriptorOnce) {
   for (const Match& match : MatchDescriptors(a, b, {1.0, true})) ++used[size_t(match.b)];
   for (const int count : used) EXPECT_LE(count, 1);
   EXPECT_GT(std::count(used.begin(), used.end(), 1), 0);
+}
+
+cv::Mat RandomBits(int rows, const std::string& name) {
+  RandomStream random(1, name);
+  cv::Mat descriptors(rows, 32, CV_8UC1);
+  for (uchar& value : cv::Mat_<uchar>(descriptors)) value = uchar(random.Index(256));
+  return descriptors;
+}
+
+TEST(Matching, BinaryDescriptorsAreComparedBitByBit) {
+  const cv::Mat a = RandomBits(40, "a");
+  cv::Mat b = a.clone();
+  for (int i = 0; i < 40; ++i) b.at<uchar>(i, i % 32) ^= 0x11;  // two bits of 256; random pairs differ in some 128
+  const auto matches = MatchDescriptors(a, b, {0.8, true});
+  ASSERT_EQ(matches.size(), 40u);
+  for (const Match& match : matches) {
+    EXPECT_EQ(match.a, match.b);
+    EXPECT_EQ(match.distance, 2);
+  }
+}
+
+TEST(Matching, StrategiesDifferInWhatTheyAskFor) {
+  cv::Mat a(1, 2, CV_32FC1, cv::Scalar(0)), b = (cv::Mat_<float>(3, 2) << 3, 0, 0, 4, 20, 0);
+  MatchingOptions options;
+  options.mutual = false;
+  EXPECT_EQ(MatchDescriptors(a, b, options).size(), 1u);  // 3 of 4 is 0.75
+  options.ratio = 0.7;
+  EXPECT_EQ(MatchDescriptors(a, b, options).size(), 0u);
+  options.strategy = "nn";
+  EXPECT_EQ(MatchDescriptors(a, b, options).size(), 1u);
+  options.max_distance = 2.9;
+  EXPECT_EQ(MatchDescriptors(a, b, options).size(), 0u);
+  options.strategy = "threshold";
+  options.max_distance = 4.1;
+  const auto all_near = MatchDescriptors(a, b, options);
+  ASSERT_EQ(all_near.size(), 2u);
+  EXPECT_EQ(all_near[1].b, 1);
+  EXPECT_FLOAT_EQ(all_near[1].distance, 4);
+  options.max_distance = 0;
+  EXPECT_THROW(MatchDescriptors(a, b, options), BadOption);
 }
 
 TEST(Matching, NothingMatchesNothing) {

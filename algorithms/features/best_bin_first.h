@@ -1,0 +1,68 @@
+/// Approximate nearest neighbours of descriptors: the k-d tree searched best bin first (Beis and Lowe, CVPR 1997;
+/// thesis 3.5.3).
+
+#pragma once
+
+#include <array>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <utility>
+#include <vector>
+
+namespace gaitcam {
+
+/// The nearest and second nearest row of a query. Squared Euclidean distances for CV_32F, Hamming distances for CV_8U.
+struct TwoNearest {
+  int index = -1;
+  float distance = std::numeric_limits<float>::infinity();
+  int second_index = -1;
+  float second_distance = std::numeric_limits<float>::infinity();
+
+  /// Takes a candidate; of equal ones the lower index.
+  void Offer(int i, float d) {
+    if (d < distance || (d == distance && i < index)) {
+      second_index = index;
+      second_distance = distance;
+      index = i;
+      distance = d;
+    } else if (d < second_distance || (d == second_distance && i < second_index)) {
+      second_index = i;
+      second_distance = d;
+    }
+  }
+};
+
+class BestBinFirstTree {
+ public:
+  /// Splits at the median of the widest-spread dimension; of binary descriptors, at the bit that is set most nearly
+  /// half of the time.
+  /// @param descriptors CV_32FC1 or CV_8UC1, one per row; must outlive the tree.
+  explicit BestBinFirstTree(const cv::Mat& descriptors);
+
+  /// Visits leaves in the order of their distance from the query, until `max_candidates` descriptors have been compared
+  /// (0: as many as it takes to be exact).
+  TwoNearest Search(const cv::Mat& query_row, int max_candidates) const;
+
+ private:
+  struct Node {
+    int dimension = -1;         ///< -1: a leaf.
+    float split = 0;            ///< Descriptors with a smaller value lie to the left.
+    int left = -1, right = -1;  ///< Nodes; of a leaf the range of `order_`.
+  };
+  struct Branch;
+
+  int Build(int begin, int end);
+  std::pair<int, float> ChooseSplit(int begin, int end) const;
+  float Component(int row, int dimension) const;
+  float Distance(const cv::Mat& query, int row) const;
+
+  cv::Mat descriptors_;
+  bool binary_;
+  std::vector<int> order_;
+  std::vector<Node> nodes_;
+};
+
+/// Number of bits that differ.
+int HammingDistance(const uchar* a, const uchar* b, int bytes);
+
+}  // namespace gaitcam
