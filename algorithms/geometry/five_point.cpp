@@ -153,6 +153,32 @@ Eigen::Vector3d NullVector(const MatrixOfZ& B, double z) {
   return best;
 }
 
+/// The cubics' twenty monomials at (x, y, z), and their derivatives.
+void Monomials(const Eigen::Vector3d& p, Cubic& m, Eigen::Matrix<double, 20, 3>& d) {
+  const double x = p.x(), y = p.y(), z = p.z(), xx = x * x, yy = y * y, zz = z * z;
+  m << xx * x, yy * y, xx * y, x * yy, xx * z, xx, yy * z, yy, x * y * z, x * y, x * zz, x * z, x, y * zz, y * z, y,
+      zz * z, zz, z, 1;
+  d.col(0) << 3 * xx, 0, 2 * x * y, yy, 2 * x * z, 2 * x, 0, 0, y * z, y, zz, z, 1, 0, 0, 0, 0, 0, 0, 0;
+  d.col(1) << 0, 3 * yy, xx, 2 * x * y, 0, 0, 2 * y * z, 2 * y, x * z, x, 0, 0, 0, zz, z, 1, 0, 0, 0, 0;
+  d.col(2) << 0, 0, 0, 0, xx, 0, yy, 0, x * y, 0, 2 * x * z, x, 0, 2 * y * z, y, 0, 3 * zz, 2 * z, 1, 0;
+}
+
+/// Gauss-Newton on the ten constraints, which gives back the digits that the elimination lost.
+void Polish(const Constraints& constraints, Eigen::Vector3d& p) {
+  constexpr int kSteps = 2;
+  Cubic m;
+  Eigen::Matrix<double, 20, 3> d;
+  for (int i = 0; i < kSteps; ++i) {
+    Monomials(p, m, d);
+    const Eigen::Matrix<double, 10, 1> residual = constraints * m;
+    const Eigen::Matrix<double, 10, 3> J = constraints * d;
+    const Eigen::Vector3d step = (J.transpose() * J).ldlt().solve(J.transpose() * residual);
+    constexpr double kLargestStep = 0.01;  // relative; more is not a matter of digits
+    if (!step.allFinite() || !(step.norm() < kLargestStep * (1 + p.norm()))) return;
+    p -= step;
+  }
+}
+
 }  // namespace
 
 std::vector<Eigen::Matrix3d> SolveFivePoint(const std::vector<PointPair>& five) {
@@ -166,7 +192,10 @@ std::vector<Eigen::Matrix3d> SolveFivePoint(const std::vector<PointPair>& five) 
   const MatrixOfZ B = EliminateToZ(rest);
   for (const double z : RealRoots(Determinant(B))) {
     const Eigen::Vector3d xy1 = NullVector(B, z);
-    const Eigen::Vector4d combination(xy1.x(), xy1.y(), z * xy1.z(), xy1.z());
+    Eigen::Vector3d xyz(xy1.x() / xy1.z(), xy1.y() / xy1.z(), z);
+    if (!xyz.allFinite()) continue;
+    Polish(constraints, xyz);
+    const Eigen::Vector4d combination = xyz.homogeneous();
     Eigen::Matrix3d E;
     for (int i = 0; i < 9; ++i) E(i / 3, i % 3) = basis[size_t(i / 3)][size_t(i % 3)].dot(combination);
     E *= std::sqrt(2.0) / E.norm();

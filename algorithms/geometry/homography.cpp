@@ -8,7 +8,11 @@
 
 namespace gaitcam {
 
-std::optional<Eigen::Matrix3d> EstimateHomography(const std::vector<PointPair>& pairs, const std::vector<int>& use) {
+namespace {
+
+/// Normalised direct linear transform; the equations of pair use[k] weigh weights[k].
+std::optional<Eigen::Matrix3d> WeightedHomography(const std::vector<PointPair>& pairs, const std::vector<int>& use,
+                                                  const std::vector<double>& weights) {
   if (use.size() < 4) return std::nullopt;
   std::vector<Eigen::Vector2d> as, bs;
   for (const int i : use) {
@@ -21,7 +25,7 @@ std::optional<Eigen::Matrix3d> EstimateHomography(const std::vector<PointPair>& 
     const Eigen::Vector3d a = Ta * as[k].homogeneous(), b = Tb * bs[k].homogeneous();
     Eigen::Matrix<double, 2, 9> rows;
     rows << a.transpose(), 0, 0, 0, -b.x() * a.transpose(), 0, 0, 0, a.transpose(), -b.y() * a.transpose();
-    N.noalias() += rows.transpose() * rows;
+    N.noalias() += weights[k] * rows.transpose() * rows;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(N);
   const Eigen::Matrix<double, 9, 1> h = eigen.eigenvectors().col(0);
@@ -36,6 +40,27 @@ std::optional<Eigen::Matrix3d> EstimateHomography(const std::vector<PointPair>& 
     positive += pairs[size_t(i)].b.homogeneous().dot(H * pairs[size_t(i)].a.homogeneous()) > 0 ? 1 : -1;
   }
   return positive >= 0 ? H : Eigen::Matrix3d(-H);
+}
+
+}  // namespace
+
+std::optional<Eigen::Matrix3d> EstimateHomography(const std::vector<PointPair>& pairs, const std::vector<int>& use) {
+  return WeightedHomography(pairs, use, std::vector<double>(use.size(), 1.0));
+}
+
+std::optional<Eigen::Matrix3d> EstimateHomographyRobustly(const std::vector<PointPair>& pairs,
+                                                          const std::vector<int>& use, double threshold) {
+  std::vector<double> weights(use.size(), 1.0);
+  std::optional<Eigen::Matrix3d> H = WeightedHomography(pairs, use, weights);
+  constexpr int kRounds = 8;
+  for (int round = 0; H && round < kRounds; ++round) {
+    for (size_t k = 0; k < use.size(); ++k) {
+      const double error2 = TransferError2(*H, pairs[size_t(use[k])]) / (threshold * threshold);
+      weights[k] = 1 / std::pow(1 + error2, 2);  // Geman and McClure's; zero behind
+    }
+    H = WeightedHomography(pairs, use, weights);
+  }
+  return H;
 }
 
 double TransferError2(const Eigen::Matrix3d& H, const PointPair& pair) {

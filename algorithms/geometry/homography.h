@@ -16,6 +16,10 @@ namespace gaitcam {
 /// nothing if the pairs do not determine it.
 std::optional<Eigen::Matrix3d> EstimateHomography(const std::vector<PointPair>& pairs, const std::vector<int>& use);
 
+/// The same with little weight for pairs whose transfer error is above some `threshold`.
+std::optional<Eigen::Matrix3d> EstimateHomographyRobustly(const std::vector<PointPair>& pairs,
+                                                          const std::vector<int>& use, double threshold);
+
 /// Squared distance of b from where H maps a; infinity behind.
 double TransferError2(const Eigen::Matrix3d& H, const PointPair& pair);
 

@@ -154,8 +154,9 @@ std::vector<double> RealRoots(const std::vector<double>& coefficients) {
   Polynomial p;
   p.degree = int(coefficients.size()) - 1;
   std::copy(coefficients.begin(), coefficients.end(), p.c.begin());
+  if (!std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return std::isfinite(c); })) return {};
   p.Normalise(0);
-  if (p.degree < 1 || !std::isfinite(p.Largest())) return {};
+  if (p.degree < 1) return {};
   std::vector<double> roots = RootsWithinOne(p);
   // Roots beyond one are one over the roots of the polynomial with its coefficients reversed.
   Polynomial reversed = p;

@@ -44,14 +44,22 @@ RelativeMotion ChooseByDepth(const Eigen::Matrix3d& E, const std::vector<PointPa
   return best;
 }
 
-Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::vector<int>& use) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (const int i : use) {
-    sum += pairs[size_t(i)].b.homogeneous().normalized() * pairs[size_t(i)].a.homogeneous().normalized().transpose();
+Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::vector<int>& use, double threshold) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  constexpr int kRounds = 8;  // the first without weights
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const int i : use) {
+      const Eigen::Vector3d a = pairs[size_t(i)].a.homogeneous().normalized();
+      const Eigen::Vector3d b = pairs[size_t(i)].b.homogeneous().normalized();
+      const double error2 = (b - R * a).squaredNorm() / (threshold * threshold);
+      sum += (round == 0 ? 1 : 1 / std::pow(1 + error2, 2)) * b * a.transpose();  // Geman and McClure's weights
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+    R = svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+  return R;
 }
 
 }  // namespace gaitcam

@@ -30,7 +30,8 @@ std::vector<RelativeMotion> DecomposeEssential(const Eigen::Matrix3d& E);
 RelativeMotion ChooseByDepth(const Eigen::Matrix3d& E, const std::vector<PointPair>& pairs,
                              const std::vector<int>& use);
 
-/// The rotation that alone brings the rays a nearest to the rays b (Arun, Huang and Blostein, PAMI 1987).
-Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::vector<int>& use);
+/// The rotation that alone brings the rays a nearest to the rays b (Arun, Huang and Blostein, PAMI 1987), pairs that
+/// are off by more than some `threshold` (radians, nearly pixels / focal length) having little weight.
+Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::vector<int>& use, double threshold);
 
 }  // namespace gaitcam

@@ -94,6 +94,11 @@ struct ScoredMotion {
   double score;
 };
 
+void SortByScore(std::vector<ScoredMotion>& motions) {
+  std::stable_sort(motions.begin(), motions.end(),
+                   [](const ScoredMotion& a, const ScoredMotion& b) { return a.score < b.score; });
+}
+
 /// Descends from `start`, then chooses again among the four decompositions.
 ScoredMotion Descend(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, RelativeMotion start,
                      double threshold) {
@@ -108,9 +113,9 @@ ScoredMotion Descend(const std::vector<PointPair>& pairs, const std::vector<int>
 /// its rotation with each axis as direction, and from what the inliers' homography allows. Lowest score first.
 std::vector<ScoredMotion> RefineFromSeveral(const std::vector<PointPair>& pairs, const std::vector<int>& inliers,
                                             const RelativeMotion& found, const std::optional<Eigen::Matrix3d>& H,
-                                            double threshold) {
+                                            const Eigen::Matrix3d& R_alone, double threshold) {
   std::vector<RelativeMotion> starts = {found};
-  for (const Eigen::Matrix3d& R : {found.R, RotationAlone(pairs, inliers)}) {
+  for (const Eigen::Matrix3d& R : {found.R, R_alone}) {
     for (int axis = 0; axis < 3; ++axis) starts.push_back({R, Eigen::Vector3d::Unit(axis)});
   }
   if (H) {
@@ -120,9 +125,38 @@ std::vector<ScoredMotion> RefineFromSeveral(const std::vector<PointPair>& pairs,
   }
   std::vector<ScoredMotion> refined;
   for (const RelativeMotion& start : starts) refined.push_back(Descend(pairs, inliers, start, threshold));
-  std::stable_sort(refined.begin(), refined.end(),
-                   [](const ScoredMotion& a, const ScoredMotion& b) { return a.score < b.score; });
+  SortByScore(refined);
+  constexpr int kRounds = 3;  // the inliers were those of a model from five pairs: now they are the best motion's
+  for (int round = 0; round < kRounds; ++round) {
+    const RelativeMotion& best = refined.front().motion;
+    const ScoredMotion again = Descend(pairs, InliersInFront(pairs, best, threshold), best, threshold);
+    if (!(again.score < refined.front().score)) break;
+    refined.front() = again;
+  }
   return refined;
+}
+
+/// The motions that a plane's homography allows, with the plane in front of both cameras; the lowest score first. A
+/// homography has three numbers more than a motion, but of a plane it leaves no worse: the plane's normal.
+std::vector<ScoredMotion> PlaneCandidates(const std::vector<PointPair>& pairs, const std::vector<int>& use,
+                                          const Eigen::Matrix3d& H, double threshold) {
+  std::vector<ScoredMotion> candidates;
+  std::vector<int> in_front;
+  for (const PlaneMotion& plane : DecomposeHomography(H)) {
+    if (!(plane.t.norm() > 0)) continue;
+    const RelativeMotion motion{plane.R, plane.t.normalized()};
+    int count = 0;
+    for (const int i : use) count += plane.normal.dot(pairs[size_t(i)].a.homogeneous()) > 0;
+    candidates.push_back({motion, Score(pairs, motion, threshold)});
+    in_front.push_back(count);
+  }
+  const int most = in_front.empty() ? 0 : *std::max_element(in_front.begin(), in_front.end());
+  constexpr double kNearlyAll = 0.95;
+  for (size_t i = in_front.size(); i-- > 0;) {
+    if (in_front[i] < kNearlyAll * most) candidates.erase(candidates.begin() + long(i));
+  }
+  SortByScore(candidates);
+  return candidates;
 }
 
 /// Torr's geometric robust information criterion: smaller is the better model of `n` pairs.
@@ -136,22 +170,37 @@ double Gric(const std::vector<int>& use, double sigma2, int dimension, int param
   return sum;
 }
 
-/// Is it a turn alone, or a plane? Errors are weighed with the noise that the general model leaves.
-void Judge(const std::vector<PointPair>& pairs, const RelativeMotion& motion, const std::optional<Eigen::Matrix3d>& H,
-           TwoView& result) {
-  const std::vector<int>& use = result.inliers;
-  const Eigen::Matrix3d E = motion.E(), R = RotationAlone(pairs, use);
+enum class Verdict { kGeneral, kPlane, kTurn };
+
+/// What explains the pairs `use` with the fewest parameters? Errors are weighed with the noise that the general model
+/// leaves.
+Verdict Judge(const std::vector<PointPair>& pairs, const std::vector<int>& use, const RelativeMotion& motion,
+              const std::optional<Eigen::Matrix3d>& H, const Eigen::Matrix3d& R_alone, double threshold) {
+  const Eigen::Matrix3d E = motion.E();
   double sigma2 = 0;
-  for (const int i : use) sigma2 += SampsonError2(E, pairs[size_t(i)]) / double(use.size() - 5);
-  sigma2 = std::max(sigma2, 1e-16);
+  int count = 0;
+  for (const int i : use) {
+    const double error2 = SampsonError2(E, pairs[size_t(i)]);
+    if (!(error2 < threshold * threshold)) continue;
+    sigma2 += error2;
+    ++count;
+  }
+  sigma2 = std::max(sigma2 / std::max(count - 5, 1), 1e-16);
   // A transfer error lives in one image: half of its square is what both images' errors would have to be.
   const double general = Gric(use, sigma2, 3, 5, [&](int i) { return SampsonError2(E, pairs[size_t(i)]); });
-  const double turn = Gric(use, sigma2, 2, 3, [&](int i) { return TransferError2(R, pairs[size_t(i)]) / 2; });
-  result.rotation_only = turn < general;
-  if (H) {
-    const double plane = Gric(use, sigma2, 2, 8, [&](int i) { return TransferError2(*H, pairs[size_t(i)]) / 2; });
-    result.planar = !result.rotation_only && plane < general;
+  const double turn = Gric(use, sigma2, 2, 3, [&](int i) { return TransferError2(R_alone, pairs[size_t(i)]) / 2; });
+  const auto flat = [&](int i) { return TransferError2(*H, pairs[size_t(i)]) / 2; };
+  const double plane = H ? Gric(use, sigma2, 2, 8, flat) : general;
+  if (turn < general && turn <= plane) return Verdict::kTurn;
+  return plane < general ? Verdict::kPlane : Verdict::kGeneral;
+}
+
+std::vector<int> InliersOfTurn(const std::vector<PointPair>& pairs, const Eigen::Matrix3d& R, double threshold) {
+  std::vector<int> inliers;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (TransferError2(R, pairs[i]) < threshold * threshold) inliers.push_back(int(i));
   }
+  return inliers;
 }
 
 double MedianParallax(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, const Eigen::Matrix3d& R) {
@@ -183,24 +232,27 @@ TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d
   TwoView result;
   result.X_AB.translation = Eigen::Vector3d::UnitX();
   if (found.size() < kFewestPairs) return result;
-  const std::optional<Eigen::Matrix3d> H = EstimateHomography(pairs, found);
-  const std::vector<ScoredMotion> refined =
-      RefineFromSeveral(pairs, found, ChooseByDepth(E, pairs, found), H, threshold);
-  const RelativeMotion& motion = refined.front().motion;
-  std::vector<int> inliers = InliersInFront(pairs, motion, threshold);
-  if (inliers.size() < kFewestPairs) return result;
+  const std::optional<Eigen::Matrix3d> H = EstimateHomographyRobustly(pairs, found, threshold / 2);
+  const Eigen::Matrix3d R_alone = RotationAlone(pairs, found, threshold / 2);
+  std::vector<ScoredMotion> candidates =
+      RefineFromSeveral(pairs, found, ChooseByDepth(E, pairs, found), H, R_alone, threshold);
+  const Verdict verdict = Judge(pairs, found, candidates.front().motion, H, R_alone, threshold);
+  result.rotation_only = verdict == Verdict::kTurn;
+  result.planar = verdict == Verdict::kPlane;
+  if (result.rotation_only) candidates = {{{R_alone, candidates.front().motion.t}, 0}};
+  if (result.planar) candidates = PlaneCandidates(pairs, found, *H, threshold);
+  if (candidates.empty()) return result;
+  const RelativeMotion& motion = candidates.front().motion;
   result.X_AB = Pose(motion.R, motion.t).Inverse();
-  result.direction_sigma = DirectionSigma(pairs, inliers, motion);
-  result.parallax = MedianParallax(pairs, inliers, motion.R);
-  result.inliers = std::move(inliers);
-  Judge(pairs, motion, H, result);
-  constexpr double kDifferent = 0.05;   // rad, of the direction: another pose, not the same minimum again
+  result.inliers =
+      result.rotation_only ? InliersOfTurn(pairs, motion.R, threshold) : InliersInFront(pairs, motion, threshold);
+  if (result.inliers.size() < kFewestPairs) result.inliers.clear();
+  if (result.inliers.empty()) return result;
+  result.direction_sigma = DirectionSigma(pairs, result.inliers, motion);
+  result.parallax = MedianParallax(pairs, result.inliers, motion.R);
   constexpr double kAboutAsGood = 1.2;  // scores are sums of squares: 1.1 times the residual
-  for (const ScoredMotion& other : refined) {
-    const bool different = std::acos(std::clamp(other.motion.t.dot(motion.t), -1.0, 1.0)) > kDifferent;
-    if (!result.planar || !different || other.score > kAboutAsGood * refined.front().score) continue;
-    result.alternative = Pose(other.motion.R, other.motion.t).Inverse();
-    break;
+  if (result.planar && candidates.size() > 1 && candidates[1].score < kAboutAsGood * candidates[0].score) {
+    result.alternative = Pose(candidates[1].motion.R, candidates[1].motion.t).Inverse();
   }
   return result;
 }

@@ -16,12 +16,14 @@ namespace gaitcam {
 
 struct TwoView {
   Pose X_AB;                        ///< Maps points of camera B into camera A; |translation| = 1.
-  std::vector<int> inliers;         ///< Pairs that agree with the pose and lie in front of both cameras, increasing.
+  std::vector<int> inliers;         ///< Pairs that agree with the pose and lie in front of both cameras, increasing;
+                                    ///< of a turn: that agree with it.
   double parallax = 0;              ///< Median over the inliers of the angle between the two rays, rad. Near zero: the
                                     ///< camera only turned, and the translation means nothing.
   double direction_sigma = M_PI;    ///< Standard deviation of the translation's direction, rad, along its worst axis:
                                     ///< of first order, from the inliers' residuals. Small motions leave it large.
-  bool rotation_only = false;       ///< A turn alone explains the inliers better, its fewer parameters considered.
+  bool rotation_only = false;       ///< A turn alone explains the pairs better, its fewer parameters considered. X_AB
+                                    ///< then holds that turn, and a direction that means nothing.
   bool planar = false;              ///< Likewise a plane's homography.
   std::optional<Pose> alternative;  ///< Two views of a plane allow two poses: the other one, where it explains the
                                     ///< pairs about as well.
