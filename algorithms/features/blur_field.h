@@ -22,8 +22,8 @@ struct BlurFieldOptions {
   int tile_px = 128;             ///< Side of the tiles, a power of two.
   double focal_px = 0;           ///< f; 0: unknown, the field is then taken to be affine (f infinite).
   double max_extent_px = 50;     ///< Longest blur looked for, at the centre and from the roll at the corners.
-  double verdict_px = 5.5;       ///< Shorter blurs are left alone.
-  double min_confidence = 0.5;   ///< For the verdict "blurred".
+  double verdict_px = 6;         ///< Shorter blurs are left alone.
+  double min_confidence = 0.6;   ///< For the verdict "blurred".
   double tolerance_px = 2;       ///< Regions are divided until the blur in them varies by less than this,
   double tolerance_share = 0.1;  ///< or by this part of its extent,
   int min_region_px = 60;        ///< or would be smaller than this.
@@ -49,7 +49,7 @@ struct BlurField {
   double roll_rad = 0;                                  ///< t_z: turn about the optical axis.
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();     ///< Of the image, px.
   double focal_px = 0;                                  ///< 0: infinite.
-  double confidence = 0;                                ///< As SpectralPsf's.
+  double confidence = 0;  ///< Correlation of the ripple that all tiles share with a line's.
 
   Eigen::Vector2d VectorAt(const Eigen::Vector2d& pixel) const;
   LineBlur At(const Eigen::Vector2d& pixel) const { return LineBlur::FromVector(VectorAt(pixel)); }

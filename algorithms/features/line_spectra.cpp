@@ -11,7 +11,7 @@ namespace {
 constexpr double kLeastFloor = 0.003;  ///< A zero is never seen deeper than this.
 /// A floor is measured too high, as a zero's neighbourhood counts for it, and too high a floor shortens the blur (by
 /// 0.5 px at 20 px and noise of 5 grey levels), while too low a one costs next to nothing.
-constexpr double kFloorShare = 0.2;
+constexpr double kFloorShare = 0.1;
 
 double SincSquared(double x) {
   if (std::abs(x) < 1e-6) return 1;
@@ -187,6 +187,9 @@ double LineSpectra::Agreement(const LogSpectrum& log, const Templates& templates
   Profile profile = MakeProfile(log, fit.direction_rad);
   const double row = (fit.extent_px - min_extent_px_) / kExtentStep - templates.first;
   const int nearest = std::clamp(int(std::lround(row)), 0, int(templates.norms.size()) - 1);
+  // Any image with a main direction has a lobe in the middle: what tells blur is the first zero and what lies beyond.
+  constexpr double kFromPeriod = 0.6;
+  const int first = std::min(kBins - 1, int(kFromPeriod / fit.extent_px / high_frequency_ * kBins));
   double dot = 0, seen = 0, expected = 0;
   for (int r = 0; r < kRings; ++r) {
     auto values = profile.sum.segment<kBins>(r * kBins);
@@ -194,6 +197,7 @@ double LineSpectra::Agreement(const LogSpectrum& log, const Templates& templates
     for (int b = 0; b < kBins; ++b) values[b] = weight[b] > 0 ? values[b] / weight[b] : b > 0 ? values[b - 1] : 0;
     SubtractRunningMean(values, 0.5 / fit.extent_px / high_frequency_ * kBins);
     const auto ripple = templates.values.col(nearest).segment<kBins>(r * kBins);
+    profile.count.segment(r * kBins, first).setZero();
     dot += double((weight.array() * values.array() * ripple.array()).sum());
     seen += double((weight.array() * values.array().square()).sum());
     expected += double((weight.array() * ripple.array().square()).sum());

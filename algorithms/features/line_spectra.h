@@ -52,8 +52,8 @@ class LineSpectra {
   /// How far the zeros are filled in each ring if this is the blur; where that cannot be seen, `otherwise`.
   std::vector<float> MeasureFloors(const LogSpectrum& log, const LineFit& fit,
                                    const std::vector<float>& otherwise) const;
-  /// Correlation of a line's ripple with that of the profile over the frequency along it. Unlike the correlation with
-  /// all samples it is near 1 for every blur that is seen clearly.
+  /// Correlation of a line's ripple, beyond the lobe in the middle, with that of the profile over the frequency along
+  /// it. Unlike the correlation with all samples it is near 1 for every blur that is seen clearly.
   double Agreement(const LogSpectrum& log, const Templates& templates, const LineFit& fit) const;
 
  private:

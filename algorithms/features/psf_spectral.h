@@ -19,7 +19,7 @@ struct SpectralOptions {
   double high_frequency = 0.30;  ///< Above, noise does.
   double min_extent_px = 4;      ///< Shortest blur looked for: its first zero must lie below high_frequency.
   double max_extent_px = 60;     ///< Longest blur looked for.
-  double verdict_px = 5.5;       ///< Shorter blurs are left alone.
+  double verdict_px = 6;         ///< Shorter blurs are left alone.
   double min_confidence = 0.5;   ///< For the verdict "blurred".
 
   /// @throws BadOption naming field, value and what is permitted.
@@ -37,7 +37,8 @@ void VisitFields(Visitor& visit, SpectralOptions& o) {
   visit("min_confidence", o.min_confidence, Between(0, 1), "for the verdict blurred");
 }
 
-/// Confidence is LineSpectra::Agreement: 0.8 to 0.95 with clear blur, 0.2 to 0.5 without. Needs 64 x 64 px.
+/// Confidence is LineSpectra::Agreement: 0.7 to 0.95 with clear blur, 0.1 to 0.45 without. Needs 64 x 64 px. What is
+/// itself periodic, like a chessboard that fills the image, can be taken for blur.
 class SpectralPsf : public PsfEstimator {
  public:
   /// @throws BadOption
