@@ -66,50 +66,59 @@ class PoseManifold : public ceres::Manifold {
   }
 };
 
+/// A point as Ceres sees it: its ray in the anchor, then its inverse depth.
+using PointBlock = Eigen::Vector3d;
+
 /// Distance between where a camera sees a point and where it should, in standard deviations.
-class SightingError : public ceres::SizedCostFunction<2, 7, 7, 1> {
+class SightingError : public ceres::SizedCostFunction<2, 7, 7, 3> {
  public:
-  SightingError(const Eigen::Vector2d& anchor_xy, const BundleObservation& observation)
-      : anchor_xy_(anchor_xy), xy_(observation.xy), weight_(1 / observation.sigma) {}
+  explicit SightingError(const BundleObservation& observation) : xy_(observation.xy), weight_(1 / observation.sigma) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const Eigen::Map<const PointBlock> point(parameters[2]);
     const auto projection =
-        LinearizeInverseDepth(ToPose(parameters[0]), anchor_xy_, parameters[2][0], ToPose(parameters[1]));
+        LinearizeInverseDepth(ToPose(parameters[0]), point.head<2>(), point.z(), ToPose(parameters[1]));
     Eigen::Map<Eigen::Vector2d> residual(residuals);
     constexpr double kBehind = 100;  // standard deviations: far beyond what Huber trusts, and flat
     residual = projection ? Eigen::Vector2d(weight_ * (projection->xy - xy_)) : Eigen::Vector2d::Constant(kBehind);
     if (!jacobians) return true;
-    using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>>;
     for (int k = 0; k < 2; ++k) {
       if (!jacobians[k]) continue;
-      PoseJacobian J(jacobians[k]);
+      Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>> J(jacobians[k]);
       J.setZero();
       if (projection) J.leftCols<6>() = weight_ * (k == 0 ? projection->d_anchor : projection->d_camera);
     }
     if (jacobians[2]) {
-      Eigen::Map<Eigen::Vector2d> J(jacobians[2]);
-      J = projection ? Eigen::Vector2d(weight_ * projection->d_rho) : Eigen::Vector2d::Zero();
+      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> J(jacobians[2]);
+      J.setZero();
+      if (projection) J << weight_ * projection->d_xy, weight_ * projection->d_rho;
     }
     return true;
   }
 
  private:
-  Eigen::Vector2d anchor_xy_, xy_;
+  Eigen::Vector2d xy_;
   double weight_;
 };
 
-/// What is thought of an inverse depth beforehand.
-class DepthPrior : public ceres::SizedCostFunction<1, 1> {
+/// What the anchor saw, and what is thought of the inverse depth beforehand.
+class PointPrior : public ceres::SizedCostFunction<3, 3> {
  public:
-  explicit DepthPrior(const BundlePoint& point) : rho_(point.prior_rho), weight_(1 / point.prior_sigma) {}
+  explicit PointPrior(const BundlePoint& point)
+      : value_(point.xy.x(), point.xy.y(), point.prior_rho),
+        weight_(1 / point.sigma, 1 / point.sigma, 1 / point.prior_sigma) {}
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    residuals[0] = weight_ * (parameters[0][0] - rho_);
-    if (jacobians && jacobians[0]) jacobians[0][0] = weight_;
+    Eigen::Map<Eigen::Vector3d> residual(residuals);
+    residual = weight_.cwiseProduct(Eigen::Map<const PointBlock>(parameters[0]) - value_);
+    if (jacobians && jacobians[0]) {
+      Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> J(jacobians[0]);
+      J = weight_.asDiagonal();
+    }
     return true;
   }
 
  private:
-  double rho_, weight_;
+  Eigen::Vector3d value_, weight_;
 };
 
 ceres::Solver::Options SolverOptions(const BundleOptions& options) {
@@ -128,7 +137,7 @@ void EstimateDepthSigmas(BundleProblem& problem) {
   for (const BundlePoint& point : problem.points) information.push_back(1 / (point.prior_sigma * point.prior_sigma));
   for (const BundleObservation& observation : problem.observations) {
     const BundlePoint& point = problem.points[size_t(observation.point)];
-    const auto projection = LinearizeInverseDepth(problem.cameras[size_t(point.anchor)].X_WC, point.xy, point.rho,
+    const auto projection = LinearizeInverseDepth(problem.cameras[size_t(point.anchor)].X_WC, point.ray, point.rho,
                                                   problem.cameras[size_t(observation.camera)].X_WC);
     if (!projection) continue;
     information[size_t(observation.point)] += projection->d_rho.squaredNorm() / (observation.sigma * observation.sigma);
@@ -153,22 +162,28 @@ BundleResult AdjustBundle(BundleProblem& problem, const BundleOptions& options) 
     if (problem.cameras[i].fixed) ceres_problem.SetParameterBlockConstant(poses[i].data());
     ordering->AddElementToGroup(poses[i].data(), 1);
   }
-  for (BundlePoint& point : problem.points) {
-    GAITCAM_ASSERT(point.prior_sigma > 0);
-    ceres_problem.AddResidualBlock(new DepthPrior(point), nullptr, &point.rho);
-    ordering->AddElementToGroup(&point.rho, 0);
+  std::vector<PointBlock> points;
+  for (const BundlePoint& point : problem.points) points.emplace_back(point.ray.x(), point.ray.y(), point.rho);
+  for (size_t i = 0; i < points.size(); ++i) {
+    GAITCAM_ASSERT(problem.points[i].prior_sigma > 0 && problem.points[i].sigma > 0);
+    ceres_problem.AddResidualBlock(new PointPrior(problem.points[i]), nullptr, points[i].data());
+    ordering->AddElementToGroup(points[i].data(), 0);
   }
   for (const BundleObservation& observation : problem.observations) {
-    BundlePoint& point = problem.points[size_t(observation.point)];
-    GAITCAM_ASSERT(point.anchor != observation.camera && observation.sigma > 0);
-    ceres_problem.AddResidualBlock(new SightingError(point.xy, observation), &huber, poses[size_t(point.anchor)].data(),
-                                   poses[size_t(observation.camera)].data(), &point.rho);
+    const int anchor = problem.points[size_t(observation.point)].anchor;
+    GAITCAM_ASSERT(anchor != observation.camera && observation.sigma > 0);
+    ceres_problem.AddResidualBlock(new SightingError(observation), &huber, poses[size_t(anchor)].data(),
+                                   poses[size_t(observation.camera)].data(), points[size_t(observation.point)].data());
   }
   ceres::Solver::Options solver = SolverOptions(options);
   solver.linear_solver_ordering = ordering;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
   for (size_t i = 0; i < poses.size(); ++i) problem.cameras[i].X_WC = ToPose(poses[i].data());
+  for (size_t i = 0; i < points.size(); ++i) {
+    problem.points[i].ray = points[i].head<2>();
+    problem.points[i].rho = points[i].z();
+  }
   EstimateDepthSigmas(problem);
   return {summary.initial_cost, summary.final_cost};
 }

@@ -1,4 +1,4 @@
-/// Bundle adjustment: poses of cameras and inverse depths of points, together, from where the points are seen (Triggs
+/// Bundle adjustment: poses of cameras and places of points, together, from where the points are seen (Triggs
 /// et al. 2000; solved by Ceres).
 
 #pragma once
@@ -15,10 +15,12 @@ struct BundleCamera {
   bool fixed = false;
 };
 
-/// A point on the ray through `xy` of camera `anchor`; see inverse_depth.h.
+/// A point on the ray through `ray` of camera `anchor`; see inverse_depth.h.
 struct BundlePoint {
   int anchor = 0;
-  Eigen::Vector2d xy;
+  Eigen::Vector2d xy;      ///< Where the anchor saw it.
+  double sigma = 0;        ///< Standard deviation of each coordinate, > 0.
+  Eigen::Vector2d ray;     ///< Start value, `xy` to begin with; refined.
   double rho = 0;          ///< Start value; refined.
   double prior_rho = 0;    ///< What is thought of its inverse depth before it is seen twice ...
   double prior_sigma = 0;  ///< ... and how little that is worth, > 0.
@@ -35,7 +37,7 @@ struct BundleObservation {
 struct BundleProblem {
   std::vector<BundleCamera> cameras;
   std::vector<BundlePoint> points;
-  std::vector<BundleObservation> observations;  ///< Without those of the anchors, which hold by construction.
+  std::vector<BundleObservation> observations;  ///< Without those of the anchors, which stand in the points.
 };
 
 struct BundleOptions {

@@ -20,7 +20,8 @@ Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
 
 Eigen::Matrix2d Covariance(const InverseDepthSighting& sighting, const Eigen::Vector2d& d_rho) {
   const double variance = sighting.point.rho_sigma * sighting.point.rho_sigma;
-  return sighting.sigma * sighting.sigma * Eigen::Matrix2d::Identity() + variance * d_rho * d_rho.transpose();
+  const double place = sighting.sigma * sighting.sigma + sighting.point.xy_sigma * sighting.point.xy_sigma;
+  return place * Eigen::Matrix2d::Identity() + variance * d_rho * d_rho.transpose();
 }
 
 }  // namespace
@@ -47,6 +48,7 @@ std::optional<InverseDepthProjection> LinearizeInverseDepth(const Pose& X_WA, co
   out.d_anchor.rightCols<3>() = rho * d_h * R_CW;
   out.d_camera.leftCols<3>() = d_h * Skew(h);
   out.d_camera.rightCols<3>() = -rho * d_h * R_CW;
+  out.d_xy = d_h * (R_CW * R_A).leftCols<2>();
   out.d_rho = d_h * (R_CW * baseline);
   return out;
 }

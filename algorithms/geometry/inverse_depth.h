@@ -20,6 +20,7 @@ namespace gaitcam {
 struct InverseDepthPoint {
   Pose X_WA;                                     ///< The camera that saw it first ...
   Eigen::Vector2d xy = Eigen::Vector2d::Zero();  ///< ... and where it saw it.
+  double xy_sigma = 0;                           ///< Standard deviation of each coordinate of `xy`.
   double rho = 0;                                ///< Inverse depth, 1 over the world's unit.
   double rho_sigma = 0;                          ///< Standard deviation of it.
 };
@@ -36,6 +37,7 @@ struct InverseDepthProjection {
   Eigen::Vector2d xy;
   Eigen::Matrix<double, 2, 6> d_anchor;  ///< d xy / d (w_A, t_A)
   Eigen::Matrix<double, 2, 6> d_camera;  ///< d xy / d (w_C, t_C)
+  Eigen::Matrix2d d_xy;                  ///< By the ray in the anchor.
   Eigen::Vector2d d_rho;
 };
 
@@ -47,9 +49,9 @@ std::optional<Eigen::Vector2d> ProjectInverseDepth(const Pose& X_WA, const Eigen
 std::optional<InverseDepthProjection> LinearizeInverseDepth(const Pose& X_WA, const Eigen::Vector2d& xy, double rho,
                                                             const Pose& X_WC);
 
-/// Squared distance between measurement and projection in standard deviations, the point's uncertain depth counted in:
-/// covariance sigma^2 I + d_rho rho_sigma^2 d_rho^T. Chi-square with 2 degrees of freedom for true pairs; infinity for
-/// a point behind the camera.
+/// Squared distance between measurement and projection in standard deviations, the point's own uncertainty counted in:
+/// covariance (sigma^2 + xy_sigma^2) I + d_rho rho_sigma^2 d_rho^T, the two cameras' scales being about the same.
+/// Chi-square with 2 degrees of freedom for true pairs; infinity for a point behind the camera.
 double Mahalanobis2(const InverseDepthSighting& sighting, const Pose& X_WC);
 
 /// Maximum likelihood of the camera's pose by Gauss-Newton, Huber's weights beyond `huber` standard deviations. Depths

@@ -21,8 +21,7 @@ double LandmarkMap::MedianDepth(const Pose& X_WC, double otherwise) const {
   std::vector<double> depths;
   for (const Landmark& landmark : landmarks_) {
     if (!landmark.Known()) continue;
-    const Eigen::Vector3d p_W = keyframes_[size_t(landmark.anchor)] * (landmark.xy.homogeneous() / landmark.rho);
-    const double depth = (X_WC.rotation.conjugate() * (p_W - X_WC.translation)).z();
+    const double depth = (X_WC.rotation.conjugate() * (Place(landmark) - X_WC.translation)).z();
     if (depth > 0) depths.push_back(depth);
   }
   constexpr size_t kFewest = 10;
@@ -62,9 +61,11 @@ void LandmarkMap::AddLandmarks(int keyframe, const FrameView& view, const std::v
     if (taken[i]) continue;
     Landmark landmark;
     landmark.anchor = landmark.last_keyframe = keyframe;
-    landmark.xy = view.xy[i];
+    landmark.xy = landmark.ray = view.xy[i];
+    landmark.sigma = view.sigma[i];
     landmark.rho = landmark.prior_rho = rho;
-    landmark.rho_sigma = landmark.prior_sigma = rho;
+    landmark.rho_sigma = rho;
+    landmark.prior_sigma = 10 * rho;
     landmark.descriptor = view.features.descriptors.row(int(i)).clone();
     landmarks_.push_back(std::move(landmark));
   }
@@ -91,6 +92,8 @@ void LandmarkMap::Adjust() {
     BundlePoint point;
     point.anchor = camera(landmark.anchor);
     point.xy = landmark.xy;
+    point.sigma = landmark.sigma;
+    point.ray = landmark.ray;
     point.rho = landmark.rho;
     point.prior_rho = landmark.prior_rho;
     point.prior_sigma = landmark.prior_sigma;
@@ -109,6 +112,7 @@ void LandmarkMap::Adjust() {
   }
   for (size_t k = 0; k < landmark_of.size(); ++k) {
     Landmark& landmark = landmarks_[size_t(landmark_of[k])];
+    landmark.ray = problem.points[k].ray;
     landmark.rho = std::max(0.0, problem.points[k].rho);  // noise puts far points beyond infinity
     landmark.rho_sigma = problem.points[k].rho_sigma;
   }
@@ -118,7 +122,7 @@ void LandmarkMap::Adjust() {
 void LandmarkMap::DropOutliers() {
   const double limit2 = options_.outlier_sigmas * options_.outlier_sigmas;
   for (Landmark& landmark : landmarks_) {
-    const InverseDepthPoint point = {keyframes_[size_t(landmark.anchor)], landmark.xy, landmark.rho, 0};
+    const InverseDepthPoint point = {keyframes_[size_t(landmark.anchor)], landmark.ray, 0, landmark.rho, 0};
     std::erase_if(landmark.observations, [&](const LandmarkObservation& o) {
       return Mahalanobis2({point, o.xy, o.sigma}, keyframes_[size_t(o.keyframe)]) > limit2;
     });

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -29,8 +30,10 @@ struct LandmarkObservation {
 
 /// One thing in the world, on the ray of the keyframe that first saw it.
 struct Landmark {
-  int anchor = 0;  ///< Keyframe.
-  Eigen::Vector2d xy;
+  int anchor = 0;       ///< Keyframe.
+  Eigen::Vector2d xy;   ///< Where the anchor saw it ...
+  double sigma = 0;     ///< ... and how exactly.
+  Eigen::Vector2d ray;  ///< Where all who saw it would have the anchor see it.
   double rho = 0, rho_sigma = 0;
   double prior_rho = 0, prior_sigma = 0;
   std::vector<LandmarkObservation> observations;  ///< By later keyframes, in order.
@@ -74,7 +77,12 @@ class LandmarkMap {
   const std::vector<Landmark>& landmarks() const { return landmarks_; }
   const std::vector<Pose>& keyframes() const { return keyframes_; }
   InverseDepthPoint Point(const Landmark& landmark) const {
-    return {keyframes_[size_t(landmark.anchor)], landmark.xy, landmark.rho, landmark.rho_sigma};
+    const double ray_sigma = landmark.sigma / std::sqrt(1.0 + double(landmark.observations.size()));
+    return {keyframes_[size_t(landmark.anchor)], landmark.ray, ray_sigma, landmark.rho, landmark.rho_sigma};
+  }
+  /// Where a known landmark is, in the world.
+  Eigen::Vector3d Place(const Landmark& landmark) const {
+    return keyframes_[size_t(landmark.anchor)] * (landmark.ray.homogeneous() / landmark.rho);
   }
   /// Median depth of the known landmarks in front of a camera; `otherwise` when there are none.
   double MedianDepth(const Pose& X_WC, double otherwise) const;

@@ -98,7 +98,7 @@ std::vector<LandmarkMatch> SearchNear(const LandmarkMap& map, const FrameView& v
   for (size_t l = 0; l < map.landmarks().size(); ++l) {
     const Landmark& landmark = map.landmarks()[l];
     const auto projection =
-        LinearizeInverseDepth(map.keyframes()[size_t(landmark.anchor)], landmark.xy, landmark.rho, X_WC);
+        LinearizeInverseDepth(map.keyframes()[size_t(landmark.anchor)], landmark.ray, landmark.rho, X_WC);
     if (!projection) continue;
     const double spread = options.depth_sigmas * landmark.rho_sigma * projection->d_rho.norm();
     candidates.clear();

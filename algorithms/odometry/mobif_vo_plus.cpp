@@ -145,7 +145,7 @@ bool MobifVoPlus::Tracker::Start(FrameView& view) {
   for (const Match& match : matches) {
     const size_t a = size_t(match.a), b = size_t(match.b);
     pairs.push_back({reference_->xy[a], view.xy[b]});
-    sightings.push_back({{reference_->X_WC, reference_->xy[a], 0, 0}, view.xy[b], view.sigma[b]});
+    sightings.push_back({{reference_->X_WC, reference_->xy[a], reference_->sigma[a], 0, 0}, view.xy[b], view.sigma[b]});
   }
   const TwoView two_view = EstimateTwoView(pairs, {2.0 / camera_.fx, 0.9999, 300, 20}, random_);
   if (int(two_view.inliers.size()) < options_.min_start_points) return begin_here();
@@ -229,7 +229,7 @@ bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatc
     const size_t i = size_t(match.feature);
     sightings.push_back({map_.Point(landmark), view.xy[i], view.sigma[i]});
     if (!landmark.Known()) continue;
-    known.push_back({sightings.back().point.X_WA * (landmark.xy.homogeneous() / landmark.rho), view.xy[i]});
+    known.push_back({map_.Place(landmark), view.xy[i]});
   }
   const auto rough = EstimateAbsolutePose(known, Ransacking(), random_, guess);
   if (int(rough.inliers.size()) < options_.min_inliers) return false;
