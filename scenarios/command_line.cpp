@@ -25,6 +25,7 @@ struct Arguments {
   RecordArguments record;
   TrackArguments track;
   ScoreArguments score;
+  FeaturesArguments features;
   ScenarioArguments validate;
 };
 
@@ -79,12 +80,29 @@ void AddScore(CLI::App& app, Arguments& a) {
       "  gaitcam score estimate.txt groundtruth.txt --set association.rule=nearest --set rpe_frames=10 --json");
 }
 
+void AddFeatures(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("features", "compare detectors on blurred images with known correspondences");
+  verb->add_option("pairs", a.features.pairs,
+                   "folders in the layout of the Oxford affine data set (default: pictures of opencv-doc)");
+  verb->add_option("--walk", a.features.walks, "recording with its truth beside it (repeatable)")
+      ->allow_extra_args(false);
+  verb->add_option("--detector", a.features.detectors, "only this one, see `gaitcam list` (repeatable)")
+      ->allow_extra_args(false);
+  verb->add_option("--seed", a.features.seed, "seed of directions, noise and generated views")->capture_default_str();
+  verb->add_option("--out", a.features.out, "folder to write (default: features)");
+  verb->footer(
+      "Examples:\n"
+      "  gaitcam features --out features\n"
+      "  gaitcam features oxford/graf oxford/boat --detector sift --detector mobif");
+}
+
 /// The verb that was chosen, carried out.
 int Dispatch(const CLI::App& app, Arguments& a) {
   if (app.got_subcommand("run")) return RunCommand(a.run, a.common);
   if (app.got_subcommand("record")) return RecordCommand(a.record, a.common);
   if (app.got_subcommand("track")) return TrackCommand(a.track, a.common);
   if (app.got_subcommand("score")) return ScoreCommand(a.score, a.common);
+  if (app.got_subcommand("features")) return FeaturesCommand(a.features, a.common);
   if (app.got_subcommand("validate")) return ValidateCommand(a.validate, a.common);
   if (app.got_subcommand("list")) return ListCommand(a.common);
   return DoctorCommand(a.common);
@@ -111,6 +129,7 @@ int CommandLine(int argc, char** argv) {
   AddRecord(app, a);
   AddTrack(app, a);
   AddScore(app, a);
+  AddFeatures(app, a);
   CLI::App* validate = app.add_subcommand("validate", "read a scenario as run would, and say what is wrong");
   AddScenario(*validate, a.validate);
   validate->footer("Example:\n  gaitcam validate scenarios/quickstart.yaml --set gait.step_length_m=0.2");

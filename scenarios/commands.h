@@ -56,6 +56,15 @@ struct ScoreArguments {
 };
 int ScoreCommand(const ScoreArguments& arguments, const CommonOptions& common);
 
+struct FeaturesArguments {
+  std::vector<std::filesystem::path> pairs;  ///< Folders of image pairs; empty: pictures of Debian's opencv-doc.
+  std::vector<std::filesystem::path> walks;  ///< Recordings with their truth beside them.
+  std::vector<std::string> detectors;        ///< Empty: all.
+  uint64_t seed = 1;
+  std::filesystem::path out;  ///< Empty: features.
+};
+int FeaturesCommand(const FeaturesArguments& arguments, const CommonOptions& common);
+
 int ValidateCommand(const ScenarioArguments& scenario, const CommonOptions& common);
 int ListCommand(const CommonOptions& common);
 int DoctorCommand(const CommonOptions& common);
