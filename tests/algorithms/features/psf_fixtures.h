@@ -48,21 +48,20 @@ inline cv::Mat LineKernel(const LineBlur& blur) {
 /// @param linear_light light is added before the display's gamma of 2.2, as in a camera, instead of after it.
 inline cv::Mat Blurred(const cv::Mat& grey, const LineBlur& blur, double noise, uint64_t seed,
                        bool linear_light = false, cv::Size size = {640, 480}) {
+  const int margin = int(std::ceil(blur.extent_px / 2)) + 1;
+  const cv::Size outer(std::min(grey.cols, size.width + 2 * margin), std::min(grey.rows, size.height + 2 * margin));
+  const cv::Rect middle({(grey.cols - outer.width) / 2, (grey.rows - outer.height) / 2}, outer);
   cv::Mat values;
-  grey.convertTo(values, CV_32F, 1 / 255.0);
+  grey(middle).convertTo(values, CV_32F, 1 / 255.0);
   if (linear_light) cv::pow(values, 2.2, values);
-  if (blur.extent_px > 0) cv::filter2D(values.clone(), values, CV_32F, LineKernel(blur));
+  if (blur.extent_px > 0) {
+    cv::filter2D(values.clone(), values, CV_32F, LineKernel(blur), {-1, -1}, 0, cv::BORDER_REFLECT_101);
+  }
   if (linear_light) {
     values = cv::max(values, 0);
     cv::pow(values, 1 / 2.2, values);
   }
-  const int margin = int(std::ceil(blur.extent_px / 2)) + 1;
-  cv::Rect inner(margin, margin, values.cols - 2 * margin, values.rows - 2 * margin);
-  inner.x += std::max(0, inner.width - size.width) / 2;
-  inner.y += std::max(0, inner.height - size.height) / 2;
-  inner.width = std::min(inner.width, size.width);
-  inner.height = std::min(inner.height, size.height);
-  values = values(inner) * 255;
+  values = values(cv::Rect(margin, margin, outer.width - 2 * margin, outer.height - 2 * margin)) * 255;
   RandomStream random(seed, "noise");
   for (int y = 0; y < values.rows; ++y) {
     for (int x = 0; x < values.cols; ++x) values.at<float>(y, x) += float(random.Normal(0, noise));
