@@ -7,6 +7,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/features/line_spectra.h"
 #include "algorithms/features/log_spectrum.h"
+#include "algorithms/features/psf_spectral.h"
 
 namespace gaitcam {
 namespace {
@@ -237,10 +238,17 @@ BlurField EstimateBlurField(const cv::Mat& grey, const BlurFieldOptions& options
   std::vector<Candidate> candidates = Search(tiles, field, grey.size(), options.max_extent_px);
   const double corner = 0.5 * std::hypot(grey.cols, grey.rows);
   for (Candidate& c : candidates) Climb(tiles, corner, c);
-  const auto best = std::max_element(candidates.begin(), candidates.end(),
-                                     [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
-  field = best->field;
-  field.confidence = SharedAgreement(tiles, field);
+  const Candidate& best = *std::max_element(candidates.begin(), candidates.end(),
+                                            [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+  // One blur for the whole image may be seen where that of single tiles drowns in noise: start from that as well.
+  Candidate uniform{field, 0};
+  uniform.field.at_centre = SpectralPsf().EstimateWhole(grey).blur.Vector();
+  uniform.score = Score(tiles, uniform.field);
+  Climb(tiles, corner, uniform);
+  const double best_agreement = SharedAgreement(tiles, best.field);
+  const double uniform_agreement = SharedAgreement(tiles, uniform.field);
+  field = uniform_agreement > best_agreement ? uniform.field : best.field;
+  field.confidence = std::max(uniform_agreement, best_agreement);
   return field;
 }
 

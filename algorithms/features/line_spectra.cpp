@@ -12,6 +12,7 @@ constexpr double kLeastFloor = 0.003;  ///< A zero is never seen deeper than thi
 /// A floor is measured too high, as a zero's neighbourhood counts for it, and too high a floor shortens the blur (by
 /// 0.5 px at 20 px and noise of 5 grey levels), while too low a one costs next to nothing.
 constexpr double kFloorShare = 0.1;
+constexpr double kBlurSkewness = 0.5;  ///< From here on (below minus this) a ripple is that of zeros.
 
 double SincSquared(double x) {
   if (std::abs(x) < 1e-6) return 1;
@@ -190,7 +191,7 @@ double LineSpectra::Agreement(const LogSpectrum& log, const Templates& templates
   // Any image with a main direction has a lobe in the middle: what tells blur is the first zero and what lies beyond.
   constexpr double kFromPeriod = 0.6;
   const int first = std::min(kBins - 1, int(kFromPeriod / fit.extent_px / high_frequency_ * kBins));
-  double dot = 0, seen = 0, expected = 0;
+  double dot = 0, seen = 0, expected = 0, cubes = 0, total = 0;
   for (int r = 0; r < kRings; ++r) {
     auto values = profile.sum.segment<kBins>(r * kBins);
     const auto weight = profile.count.segment<kBins>(r * kBins);
@@ -201,8 +202,13 @@ double LineSpectra::Agreement(const LogSpectrum& log, const Templates& templates
     dot += double((weight.array() * values.array() * ripple.array()).sum());
     seen += double((weight.array() * values.array().square()).sum());
     expected += double((weight.array() * ripple.array().square()).sum());
+    cubes += double((weight.array() * values.array().cube()).sum());
+    total += double(weight.sum());
   }
-  return seen > 0 && expected > 0 ? dot / std::sqrt(seen * expected) : 0;
+  if (!(seen > 0) || !(expected > 0)) return 0;
+  // Zeros are narrow and deep: skewness -0.8 and less. A periodic image has narrow peaks instead; a chessboard -0.1.
+  const double skewness = cubes / total / std::pow(seen / total, 1.5);
+  return dot / std::sqrt(seen * expected) * std::clamp(-skewness / kBlurSkewness, 0.0, 1.0);
 }
 
 }  // namespace gaitcam

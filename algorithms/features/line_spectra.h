@@ -53,7 +53,8 @@ class LineSpectra {
   std::vector<float> MeasureFloors(const LogSpectrum& log, const LineFit& fit,
                                    const std::vector<float>& otherwise) const;
   /// Correlation of a line's ripple, beyond the lobe in the middle, with that of the profile over the frequency along
-  /// it. Unlike the correlation with all samples it is near 1 for every blur that is seen clearly.
+  /// it. Unlike the correlation with all samples it is near 1 for every blur that is seen clearly. Scaled down to 0 if
+  /// the ripple has peaks rather than zeros, as that of a periodic image has.
   double Agreement(const LogSpectrum& log, const Templates& templates, const LineFit& fit) const;
 
  private:

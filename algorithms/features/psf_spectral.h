@@ -37,8 +37,7 @@ void VisitFields(Visitor& visit, SpectralOptions& o) {
   visit("min_confidence", o.min_confidence, Between(0, 1), "for the verdict blurred");
 }
 
-/// Confidence is LineSpectra::Agreement: 0.7 to 0.95 with clear blur, 0.1 to 0.45 without. Needs 64 x 64 px. What is
-/// itself periodic, like a chessboard that fills the image, can be taken for blur.
+/// Confidence is LineSpectra::Agreement: 0.7 to 0.95 with clear blur, below 0.5 without. Needs 64 x 64 px.
 class SpectralPsf : public PsfEstimator {
  public:
   /// @throws BadOption
