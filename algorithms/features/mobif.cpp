@@ -63,8 +63,8 @@ class Mobif : public BlurAwareFeature {
 }  // namespace
 
 MobifOptions::MobifOptions() {
-  wiener.gamma = 0.003;
-  wiener.gamma_slope = 0.03;
+  wiener.gamma = 0.005;
+  wiener.gamma_slope = 0.05;
   wiener.border_passes = 2;
   scale_space.sigma = 1.2;
   hessian.threshold = 2e-4;

@@ -20,6 +20,8 @@ struct MobifAdaptOptions {
   ScaleSpaceOptions scale_space;
   HessianOptions hessian;
   SiftOptions sift;
+
+  MobifAdaptOptions() { hessian.threshold = 1e-4; }  // the thesis names none
 };
 
 template <class Visitor>

@@ -22,6 +22,8 @@ struct MobifRestoreOptions {
   ScaleSpaceOptions scale_space;
   HessianOptions hessian;
   SiftOptions sift;
+
+  MobifRestoreOptions() { hessian.threshold = 1e-4; }  // the thesis names none
 };
 
 template <class Visitor>

@@ -84,8 +84,12 @@ class Describer {
     samples_.ToPolar();
     std::array<float, kDirections> histogram{};
     for (int k = 0; k < kSamples; ++k) {
-      const int bin = int(samples_.angle[k] * float(kDirections / (2 * CV_PI)) + 0.5f) % kDirections;
-      histogram[size_t(bin)] += samples_.magnitude[k] * orientation_.gaussian[k];
+      // Shared between the two nearest bins, which the thesis does not say: orientations do not snap to 10 degrees.
+      const float place = samples_.angle[k] * float(kDirections / (2 * CV_PI));
+      const int bin = int(place);
+      const float share = place - float(bin), weight = samples_.magnitude[k] * orientation_.gaussian[k];
+      histogram[size_t(bin % kDirections)] += weight * (1 - share);
+      histogram[size_t((bin + 1) % kDirections)] += weight * share;
     }
     return Peaks(Smoothed(Smoothed(histogram)));
   }

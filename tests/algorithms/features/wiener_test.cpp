@@ -1,0 +1,89 @@
+#include "algorithms/features/wiener.h"
+
+#include <gtest/gtest.h>
+
+#include "algorithms/core/errors.h"
+#include "tests/algorithms/features/picture.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr int kMargin = 32;
+
+cv::Mat Values(const cv::Mat& grey) {
+  cv::Mat values;
+  grey.convertTo(values, CV_32F, 1 / 255.0);
+  return values;
+}
+
+double RootMeanSquare(const cv::Mat& a, const cv::Mat& b) {
+  return cv::norm(a, b, cv::NORM_L2) / std::sqrt(double(a.total()));
+}
+
+struct Pictures {
+  cv::Mat sharp, blurred;
+};
+
+Pictures Make(const LineBlur& blur) {
+  const cv::Mat picture = RandomPicture({384, 304}, 5);
+  return {Values(BlurAndCrop(picture, {}, kMargin)), Values(BlurAndCrop(picture, blur, kMargin))};
+}
+
+TEST(Wiener, RestoredIsNearerToTheSharpThanTheBlurred) {
+  for (const LineBlur blur : {LineBlur{10, 0.3}, LineBlur{20, 1.2}, LineBlur{35, 2.5}}) {
+    const Pictures p = Make(blur);
+    WienerOptions options;
+    options.border_passes = 2;
+    const cv::Mat restored = RestoreWiener(p.blurred, blur, options);
+    ASSERT_EQ(restored.size(), p.sharp.size());
+    EXPECT_LT(RootMeanSquare(restored, p.sharp), 0.75 * RootMeanSquare(p.blurred, p.sharp)) << blur.extent_px;
+  }
+}
+
+TEST(Wiener, AWrongDirectionMakesItWorse) {
+  const LineBlur blur{20, 1.2};
+  const Pictures p = Make(blur);
+  EXPECT_GT(RootMeanSquare(RestoreWiener(p.blurred, {20, 1.2 + M_PI / 2}, {}), p.sharp),
+            RootMeanSquare(RestoreWiener(p.blurred, blur, {}), p.sharp));
+}
+
+TEST(Wiener, AConsistentMarginRestoresBetterNearTheBorder) {
+  const LineBlur blur{30, 0.4};
+  const Pictures p = Make(blur);
+  WienerOptions mirrored, consistent;
+  mirrored.gamma = consistent.gamma = 0.005;
+  consistent.border_passes = 5;
+  EXPECT_LT(RootMeanSquare(RestoreWiener(p.blurred, blur, consistent), p.sharp),
+            0.95 * RootMeanSquare(RestoreWiener(p.blurred, blur, mirrored), p.sharp));
+}
+
+TEST(Wiener, LeavesAnUnblurredImageAloneButForItsGain) {
+  const cv::Mat image = Values(RandomPicture({100, 80}, 6));
+  WienerOptions options;
+  options.gamma = 0.01;
+  const cv::Mat restored = RestoreWiener(image, {}, options);
+  EXPECT_LT(cv::norm(restored * 1.01, image, cv::NORM_INF), 1e-4);  // H = 1: W = 1 / (1 + gamma)
+}
+
+TEST(Wiener, TransferIsEquation55) {
+  const LineBlur blur{8, 0};
+  WienerOptions options;
+  options.gamma = 0.02;
+  const WienerTransfer wiener(blur, options);
+  const Eigen::ArrayXf fx = Eigen::ArrayXf::LinSpaced(5, 0, 0.4f);
+  Eigen::ArrayXf w(5);
+  wiener.Row(fx, 0.1f, w);
+  for (int i = 0; i < 5; ++i) {
+    const double u = M_PI * 8 * fx[i], h = u > 0 ? std::sin(u) / u : 1;
+    EXPECT_NEAR(w[i], h / (h * h + 0.02), 1e-4);
+  }
+}
+
+TEST(Wiener, RefusesAGammaOfZero) {
+  WienerOptions options;
+  options.gamma = 0;
+  EXPECT_THROW(RestoreWiener(cv::Mat::zeros(40, 40, CV_32FC1), {8, 0}, options), BadOption);
+}
+
+}  // namespace
+}  // namespace gaitcam
