@@ -227,6 +227,17 @@ RansacResult<Eigen::Matrix3d> EstimateEssential(const std::vector<PointPair>& pa
   return EstimateRobustly<Eigen::Matrix3d>(int(pairs.size()), 5, options, random, solve, residual2);
 }
 
+TwoView DescribeTwoView(const std::vector<PointPair>& pairs, const RelativeMotion& motion, double threshold) {
+  TwoView result;
+  result.X_AB = Pose(motion.R, motion.t).Inverse();
+  result.inliers = InliersInFront(pairs, motion, threshold);
+  if (result.inliers.size() < kFewestPairs) result.inliers.clear();
+  if (result.inliers.empty()) return result;
+  result.direction_sigma = DirectionSigma(pairs, result.inliers, motion);
+  result.parallax = MedianParallax(pairs, result.inliers, motion.R);
+  return result;
+}
+
 TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d& E, const std::vector<int>& found,
                       double threshold) {
   TwoView result;

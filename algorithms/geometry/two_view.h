@@ -11,6 +11,7 @@
 #include "algorithms/geometry/epipolar.h"
 #include "algorithms/geometry/five_point.h"
 #include "algorithms/geometry/ransac.h"
+#include "algorithms/geometry/relative_motion.h"
 
 namespace gaitcam {
 
@@ -42,7 +43,10 @@ RansacResult<Eigen::Matrix3d> EstimateEssential(const std::vector<PointPair>& pa
                                                 RandomStream& random,
                                                 double (*error2)(const Eigen::Matrix3d&, const PointPair&));
 
-/// The same from an essential matrix and its inliers that are known already: what follows the robust estimate.
+/// What is to be said of a motion as it is: inliers, parallax and error bar, without refinement or verdicts.
+TwoView DescribeTwoView(const std::vector<PointPair>& pairs, const RelativeMotion& motion, double threshold);
+
+/// EstimateTwoView from an essential matrix and its inliers that are known already.
 TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d& E, const std::vector<int>& inliers,
                       double threshold);
 

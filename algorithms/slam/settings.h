@@ -102,11 +102,10 @@ SystemSettings SettingsOf(const T& options) {
   return settings;
 }
 
-/// @returns T's defaults with `settings` applied.
+/// @returns `options`, T's defaults unless given, with `settings` applied.
 /// @throws BadOption for an unknown name, with the nearest known one, or a value out of range.
 template <Described T>
-T OptionsFrom(const SystemSettings& settings, const std::string& system) {
-  T options;
+T OptionsFrom(const SystemSettings& settings, const std::string& system, T options = T()) {
   std::vector<std::string> known;
   for (const auto& [name, value] : SettingsOf(options)) known.push_back(name);
   for (const auto& [name, value] : settings) {

@@ -4,8 +4,8 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/fields.h"
+#include "algorithms/odometry/frame_to_frame_vo.h"
 #include "algorithms/odometry/mobif_vo_plus.h"
-#include "algorithms/odometry/sift_vo.h"
 #include "algorithms/slam/settings.h"
 
 namespace gaitcam {
@@ -16,22 +16,24 @@ struct Entry {
   std::function<std::unique_ptr<System>(const SystemSetup&)> make;
 };
 
-/// A monocular odometry behind the interface.
-template <class Odometry, class Options>
-class MonocularSystem : public System {
+/// The odometry of thesis 5.4 behind the interface.
+class FrameToFrameSystem : public System {
  public:
-  MonocularSystem(const SystemSetup& setup, const std::string& name)
-      : odometry_(setup.calibration.camera, OptionsFrom<Options>(setup.settings, name), setup.seed) {}
+  FrameToFrameSystem(const CameraModel& camera, const FrameToFrameVoOptions& options, uint64_t seed)
+      : odometry_(camera, options, seed) {}
   FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
 
  private:
-  Odometry odometry_;
+  FrameToFrameVo odometry_;
 };
 
-template <class Odometry, class Options>
-Entry Monocular(const std::string& name, const std::string& description) {
-  return {{name, description, SettingsOf(Options())}, [name](const SystemSetup& setup) {
-            return std::make_unique<MonocularSystem<Odometry, Options>>(setup, name);
+/// One composition, known by the detector it uses unless it is told another.
+Entry FrameToFrame(const std::string& feature, double sensitivity, const std::string& description) {
+  const std::string name = feature + "_vo";
+  const FrameToFrameVoOptions defaults = FrameToFrameVoOptions::WithFeature(feature, sensitivity);
+  return {{name, description, SettingsOf(defaults)}, [name, defaults](const SystemSetup& setup) {
+            return std::make_unique<FrameToFrameSystem>(setup.calibration.camera,
+                                                        OptionsFrom(setup.settings, name, defaults), setup.seed);
           }};
 }
 
@@ -49,7 +51,11 @@ class MobifVoPlusSystem : public System {
 /// Every system there is: a new one is one more line here.
 std::vector<Entry> AllSystems() {
   std::vector<Entry> entries = {
-      Monocular<SiftVo, SiftVoOptions>("sift_vo", "plain monocular odometry: SIFT, five-point RANSAC, keyframe points"),
+      FrameToFrame("akaze", 4, "the odometry of mobif_vo with AKAZE features"),
+      FrameToFrame("mobif", 1, "monocular odometry from pairs of frames (thesis 5.4) with MoBIF features"),
+      FrameToFrame("orb", 4, "the odometry of mobif_vo with ORB features"),
+      FrameToFrame("sift", 4, "the odometry of mobif_vo with SIFT features: the plain baseline"),
+      FrameToFrame("surf", 4, "the odometry of mobif_vo with SURF features"),
       {{"mobif_vo_plus",
         "monocular odometry for a shaking camera: blur-robust features, inverse depths, bundle adjustment",
         SettingsOf(MobifVoPlusOptions())},
