@@ -42,6 +42,12 @@ int LandmarkMap::AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& 
   return keyframe;
 }
 
+void LandmarkMap::Refresh(const FrameView& view, const std::vector<LandmarkMatch>& matches) {
+  for (const LandmarkMatch& match : matches) {
+    view.features.descriptors.row(match.feature).copyTo(landmarks_[size_t(match.landmark)].latest);
+  }
+}
+
 void LandmarkMap::Observe(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches) {
   for (const LandmarkMatch& match : matches) {
     Landmark& landmark = landmarks_[size_t(match.landmark)];
@@ -49,6 +55,7 @@ void LandmarkMap::Observe(int keyframe, const FrameView& view, const std::vector
     landmark.observations.push_back({keyframe, view.xy[i], view.sigma[i]});
     landmark.last_keyframe = keyframe;
     view.features.descriptors.row(match.feature).copyTo(landmark.descriptor);
+    landmark.descriptor.copyTo(landmark.latest);
   }
 }
 
@@ -67,6 +74,7 @@ void LandmarkMap::AddLandmarks(int keyframe, const FrameView& view, const std::v
     landmark.rho_sigma = rho;
     landmark.prior_sigma = 10 * rho;
     landmark.descriptor = view.features.descriptors.row(int(i)).clone();
+    landmark.latest = landmark.descriptor.clone();
     landmarks_.push_back(std::move(landmark));
   }
 }

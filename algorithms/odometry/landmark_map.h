@@ -37,7 +37,8 @@ struct Landmark {
   double rho = 0, rho_sigma = 0;
   double prior_rho = 0, prior_sigma = 0;
   std::vector<LandmarkObservation> observations;  ///< By later keyframes, in order.
-  cv::Mat descriptor;                             ///< One row: as it looked last.
+  cv::Mat descriptor;                             ///< One row: as it looked in the last keyframe that saw it ...
+  cv::Mat latest;                                 ///< ... and in the last frame, which may be blurred.
   int last_keyframe = 0;                          ///< The last that saw it.
 
   bool Known() const { return !observations.empty() && rho > 0 && rho_sigma < 0.3 * rho; }
@@ -64,6 +65,9 @@ class LandmarkMap {
   /// the known ones around it, give or take all of it. Then refines the window and forgets what is old.
   /// @returns the keyframe's number; `view.X_WC` is refined.
   int AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth);
+
+  /// Remembers how landmarks look in a frame that will be no keyframe.
+  void Refresh(const FrameView& view, const std::vector<LandmarkMatch>& matches);
 
   /// Sets an inverse depth found otherwise (the start of a map).
   void SetDepth(int landmark, double rho) { landmarks_[size_t(landmark)].rho = rho; }

@@ -73,7 +73,8 @@ Nearest FindNearest(const Landmark& landmark, const FrameView& view, const std::
   Nearest best;
   std::vector<double> distances;
   for (const int i : candidates) {
-    distances.push_back(Distance(landmark.descriptor, view.features.descriptors, i));
+    distances.push_back(std::min(Distance(landmark.descriptor, view.features.descriptors, i),
+                                 Distance(landmark.latest, view.features.descriptors, i)));
     if (distances.back() < best.distance) best = {i, distances.back()};
   }
   for (size_t k = 0; k < candidates.size(); ++k) {
@@ -89,9 +90,17 @@ Nearest FindNearest(const Landmark& landmark, const FrameView& view, const std::
 std::vector<LandmarkMatch> SearchNear(const LandmarkMap& map, const FrameView& view, const Pose& X_WC,
                                       const LandmarkSearchOptions& options) {
   const FeatureGrid grid(view.xy, std::max(0.02, options.radius));
+  // One feature may look like several landmarks that are one thing: the one seen most often has it, so that tracks are
+  // long.
   struct Claim {
     int landmark = -1;
+    size_t observations = 0;
     double distance = std::numeric_limits<double>::infinity();
+
+    bool Beats(const Claim& other) const {
+      if (observations != other.observations) return observations > other.observations;
+      return distance < other.distance;
+    }
   };
   std::vector<Claim> claims(view.xy.size());
   std::vector<int> candidates;
@@ -106,8 +115,9 @@ std::vector<LandmarkMatch> SearchNear(const LandmarkMap& map, const FrameView& v
               [&](int i) { candidates.push_back(i); });
     const Nearest found = FindNearest(landmark, view, candidates, options);
     if (found.feature < 0) continue;
-    Claim& claim = claims[size_t(found.feature)];
-    if (found.distance < claim.distance) claim = {int(l), found.distance};
+    const Claim claim = {int(l), landmark.observations.size(), found.distance};
+    Claim& present = claims[size_t(found.feature)];
+    if (present.landmark < 0 || claim.Beats(present)) present = claim;
   }
   std::vector<LandmarkMatch> matches;
   for (size_t i = 0; i < claims.size(); ++i) {

@@ -57,7 +57,9 @@ class MobifVoPlus::Tracker {
   Pose Predict(const Observation& observation) const;
   bool Locate(FrameView& view, const Pose& prediction);
   bool Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess);
-  bool WantsKeyframe(const FrameView& view) const;
+  bool WantsKeyframe(const FrameView& view);
+  bool IsKeyframeDue(const FrameView& view) const;
+  void ScaleNoise(FrameView& view) const;
   void Record(const FrameEstimate& answer, const FrameView& view);
 
   Calibration calibration_;
@@ -70,7 +72,9 @@ class MobifVoPlus::Tracker {
   std::optional<FrameView> reference_;  ///< The first of the two frames that will start a map.
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int keyframe_ = -1;                   ///< The latest of the present map; -1: there is no map yet.
-  int keyframe_inliers_ = 0;            ///< Landmarks that the frame after the last keyframe saw.
+  int keyframe_inliers_ = 0;            ///< Most landmarks that a frame since the last keyframe saw.
+  double usual_inliers_ = 0;            ///< Landmarks seen per frame, lately.
+  int waiting_frames_ = 0;              ///< Since a keyframe was due.
   std::optional<Pose> X_WC_last_;       ///< Last known pose, over all maps.
   double median_depth_ = 1;             ///< At the last keyframe; the unit when a map begins.
   int lost_frames_ = 0;
@@ -91,9 +95,13 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
     answer.restarted = was_lost;
     lost_frames_ = 0;
     if (had_map && WantsKeyframe(view)) {
+      ScaleNoise(view);
       keyframe_ = map_.AddKeyframe(view, inliers_, median_depth_);
       keyframe_inliers_ = 0;
+      usual_inliers_ = 0;
       median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
+    } else {
+      map_.Refresh(view, inliers_);
     }
     answer.pose = view.X_WC;
     X_WC_last_ = view.X_WC;
@@ -250,16 +258,43 @@ bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatc
   return true;
 }
 
-bool MobifVoPlus::Tracker::WantsKeyframe(const FrameView& view) const {
-  if (int(inliers_.size()) < options_.keyframe_overlap * keyframe_inliers_) return true;
+/// A keyframe is due once the camera has moved, turned or lost sight of points; it is taken at the next frame that sees
+/// at least as many points as usual: one in the middle of a jerk would place all new points badly.
+bool MobifVoPlus::Tracker::WantsKeyframe(const FrameView& view) {
+  const double inliers = double(inliers_.size());
+  constexpr double kForgetting = 0.1;
+  usual_inliers_ = usual_inliers_ > 0 ? (1 - kForgetting) * usual_inliers_ + kForgetting * inliers : inliers;
+  if (waiting_frames_ == 0 && !IsKeyframeDue(view)) return false;
+  ++waiting_frames_;
+  const bool in_danger = inliers < 2 * options_.min_inliers;
+  if (inliers < usual_inliers_ && !in_danger && waiting_frames_ <= options_.max_wait_frames) return false;
+  waiting_frames_ = 0;
+  return true;
+}
+
+/// A blurred frame places its features worse than a sharp one: its own residuals say by how much.
+void MobifVoPlus::Tracker::ScaleNoise(FrameView& view) const {
+  std::vector<double> distances;
+  for (const LandmarkMatch& match : inliers_) {
+    const size_t i = size_t(match.feature);
+    const InverseDepthPoint point = map_.Point(map_.landmarks()[size_t(match.landmark)]);
+    distances.push_back(std::sqrt(Mahalanobis2({point, view.xy[i], view.sigma[i]}, view.X_WC)));
+  }
+  constexpr double kMedianOfRayleigh = 1.1774;  // of the length of a vector of two unit normals
+  const double factor = std::clamp(Median(distances) / kMedianOfRayleigh, 0.5, 3.0);
+  for (double& sigma : view.sigma) sigma *= factor;
+}
+
+bool MobifVoPlus::Tracker::IsKeyframeDue(const FrameView& view) const {
+  if (usual_inliers_ < options_.keyframe_overlap * keyframe_inliers_) return true;
   const Pose& X_WK = map_.keyframes()[size_t(keyframe_)];
   if (RotationAngle(X_WK.rotation, view.X_WC.rotation) > options_.keyframe_turn_deg * kRadPerDeg) return true;
   const Eigen::Vector3d baseline = view.X_WC.translation - X_WK.translation;
   std::vector<double> angles;
   for (const LandmarkMatch& match : inliers_) {
     const Landmark& landmark = map_.landmarks()[size_t(match.landmark)];
-    const Eigen::Vector3d ray = map_.keyframes()[size_t(landmark.anchor)].rotation * landmark.xy.homogeneous();
-    angles.push_back(landmark.rho * ray.normalized().cross(baseline).norm() / landmark.xy.homogeneous().norm());
+    const Eigen::Vector3d ray = map_.keyframes()[size_t(landmark.anchor)].rotation * landmark.ray.homogeneous();
+    angles.push_back(landmark.rho * ray.normalized().cross(baseline).norm() / landmark.ray.homogeneous().norm());
   }
   return Median(angles) > options_.keyframe_parallax_deg * kRadPerDeg;
 }
@@ -276,6 +311,8 @@ void MobifVoPlus::Tracker::Record(const FrameEstimate& answer, const FrameView& 
 /// Frames after a keyframe move with it. Frames that turned on the spot before the first keyframe in truth moved on to
 /// it: they get their part of the way.
 std::vector<FrameEstimate> MobifVoPlus::Tracker::Finish() {
+  fprintf(stderr, "DEBUG keyframes %zu frames %zu landmarks %zu\n", map_.keyframes().size(), records_.size(),
+          map_.landmarks().size());
   std::vector<FrameEstimate> frames;
   for (const FrameRecord& record : records_) {
     FrameEstimate frame = record.answer;

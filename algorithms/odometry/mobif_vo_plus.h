@@ -40,9 +40,10 @@ struct MobifVoPlusOptions {
   int min_start_points = 40;         ///< Points that a new map needs.
 
   double keyframe_parallax_deg = 2.0;  ///< Median angle at the points that makes a frame a keyframe ...
-  double keyframe_turn_deg = 8.0;      ///< ... or a turn by so much ...
+  double keyframe_turn_deg = 15.0;     ///< ... or a turn by so much ...
   double keyframe_overlap = 0.6;       ///< ... or fewer points than this part of the last keyframe's.
-  int window = 10;                     ///< Keyframes refined together.
+  int max_wait_frames = 10;            ///< A due keyframe waits at most so long for a frame that sees well.
+  int window = 12;                     ///< Keyframes refined together.
   int memory = 20;                     ///< Keyframes after which a point that was not seen again is forgotten.
   int adjust_iterations = 8;           ///< Most steps of one bundle adjustment.
   bool use_imu = false;                ///< Predict each frame's turn by the gyroscope.
@@ -67,6 +68,7 @@ void VisitFields(Visitor& visit, MobifVoPlusOptions& o) {
   visit("keyframe_parallax_deg", o.keyframe_parallax_deg, Between(0.1, 90.0), "median angle that makes a keyframe");
   visit("keyframe_turn_deg", o.keyframe_turn_deg, Between(0.1, 180.0), "turn that makes a keyframe");
   visit("keyframe_overlap", o.keyframe_overlap, Between(0.0, 1.0), "part of points shared that makes a keyframe");
+  visit("max_wait_frames", o.max_wait_frames, Between(0, 1000), "how long a due keyframe waits for a good frame");
   visit("window", o.window, Between(2, 1000), "keyframes refined together");
   visit("memory", o.memory, Between(1, 100000), "keyframes until an unseen point is forgotten");
   visit("adjust_iterations", o.adjust_iterations, Between(1, 1000), "most steps of a bundle adjustment");
