@@ -80,6 +80,8 @@ class FrameToFrameVo::Tracker {
   std::optional<Pose> X_WC_last_;  ///< Last known pose, over all restarts.
   double median_depth_ = 1;        ///< In the last chosen frame; the unit when a path begins.
   int lost_frames_ = 0;
+  int start_frames_ = 0;  ///< Frames since there was a reconstruction, or since the first.
+  int start_misses_ = 0;  ///< Of these the latest that could not be matched with the chosen one.
 };
 
 FrameEstimate FrameToFrameVo::Tracker::Track(const Observation& observation) {
@@ -152,22 +154,30 @@ TwoView FrameToFrameVo::Tracker::Reconstruct(const std::vector<PointPair>& pairs
   return DescribeTwoView(pairs, motion, threshold_);
 }
 
-/// Without a reconstruction: waits until the camera has moved enough since the chosen frame to see parallax.
+/// Without a reconstruction: waits until the camera has moved enough since the chosen frame to see parallax. A few
+/// frames that cannot be matched (blurred, covered) do not matter.
 bool FrameToFrameVo::Tracker::Start(View& view, const std::vector<Match>& matches) {
   inliers_.clear();
-  const auto begin_here = [&] {
+  ++start_frames_;
+  TwoView two_view;
+  if (int(matches.size()) >= options_.min_start_points) two_view = Reconstruct(PairsOf(view, matches));
+  if (int(two_view.inliers.size()) < options_.min_start_points) {
+    if (chosen_ && ++start_misses_ <= options_.max_start_misses) return false;
     chosen_.reset();
+    start_misses_ = 0;
     if (view.features.size() >= options_.min_start_points) chosen_ = std::move(view);
     return false;
-  };
-  if (!chosen_ || int(matches.size()) < options_.min_start_points) return begin_here();
-  const TwoView two_view = Reconstruct(PairsOf(view, matches));
-  if (int(two_view.inliers.size()) < options_.min_start_points) return begin_here();
+  }
+  start_misses_ = 0;
   // It only turned, or hardly moved: whatever was computed means nothing yet.
   if (two_view.rotation_only || two_view.alternative) return false;
   if (two_view.parallax < options_.start_parallax_deg * kRadPerDeg) return false;
-  if (two_view.direction_sigma > options_.start_direction_deg * kRadPerDeg) return false;
-  return BeginReconstruction(view, matches, two_view);
+  // Where everything is blurred no baseline is ever certain: less and less is asked for.
+  const double patience = 1 + double(start_frames_) / options_.start_patience_frames;
+  if (two_view.direction_sigma > patience * options_.start_direction_deg * kRadPerDeg) return false;
+  if (!BeginReconstruction(view, matches, two_view)) return false;
+  start_frames_ = 0;
+  return true;
 }
 
 /// Triangulates the inliers; the unit is such that their median depth is that of the path before (1 at first).

@@ -46,6 +46,8 @@ struct FrameToFrameVoOptions {
   double min_parallax_deg = 1.0;     ///< A point is triangulated when its rays meet at this angle.
   double start_parallax_deg = 0.5;   ///< Median angle between the rays of the two frames that begin the path.
   double start_direction_deg = 1.0;  ///< ... and largest standard deviation of their baseline's direction.
+  int start_patience_frames = 30;    ///< After so many frames twice, then three times that deviation will do.
+  int max_start_misses = 5;          ///< Frames in a row that do not match the first before another is first.
   int max_lost_frames = 15;          ///< After so many frames without a pose the path is begun anew.
   double ransac_confidence = 0.9999;
   int ransac_iterations = 300;  ///< Most samples drawn per frame.
@@ -80,6 +82,10 @@ void VisitFields(Visitor& visit, FrameToFrameVoOptions& o) {
   visit("start_parallax_deg", o.start_parallax_deg, Between(0.01, 45.0), "median angle that begins a path");
   visit("start_direction_deg", o.start_direction_deg, Between(0.001, 180.0),
         "largest standard deviation of the first baseline's direction");
+  visit("start_patience_frames", o.start_patience_frames, Between(1, 1000000),
+        "after so many frames twice that deviation will do");
+  visit("max_start_misses", o.max_start_misses, Between(0, 1000000),
+        "unmatched frames in a row until another is first");
   visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "frames without a pose until a new start");
   visit("ransac_confidence", o.ransac_confidence, Between(0.5, 0.999999), "chance to have met a clean sample");
   visit("ransac_iterations", o.ransac_iterations, Between(1, 1000000), "most samples drawn per frame");

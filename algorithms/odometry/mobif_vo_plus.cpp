@@ -50,13 +50,14 @@ class MobifVoPlus::Tracker {
 
  private:
   FrameView Look(const cv::Mat& image) const;
-  RansacOptions Ransacking() const { return {3.0 / camera_.fx, 0.999, 100, 5}; }
+  RansacOptions Ransacking(double noise) const { return {3.0 * noise / camera_.fx, 0.999, 100, 5}; }
 
   bool Start(FrameView& view);
   bool StartMap(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
   Pose Predict(const Observation& observation) const;
   bool Locate(FrameView& view, const Pose& prediction);
-  bool Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess);
+  bool LocateWithNoise(FrameView& view, const Pose& prediction, double noise);
+  bool Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess, double noise);
   bool WantsKeyframe(const FrameView& view);
   bool IsKeyframeDue(const FrameView& view) const;
   void ScaleNoise(FrameView& view) const;
@@ -207,39 +208,49 @@ Pose MobifVoPlus::Tracker::Predict(const Observation& observation) const {
   return prediction;
 }
 
-/// With a map: looks for its landmarks where they should be, else anywhere; then once more, closely, from the pose
-/// found.
+/// With a map: the pose from its landmarks. A frame that is blurred more than its features can tell places them badly:
+/// where nothing agrees, a second look expects more noise.
 bool MobifVoPlus::Tracker::Locate(FrameView& view, const Pose& prediction) {
+  for (const double noise : {1.0, options_.noise_of_second_look}) {
+    if (LocateWithNoise(view, prediction, noise)) {
+      keyframe_inliers_ = std::max(keyframe_inliers_, int(inliers_.size()));
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Looks for landmarks where they should be, else anywhere; then once more, closely, from the pose found.
+bool MobifVoPlus::Tracker::LocateWithNoise(FrameView& view, const Pose& prediction, double noise) {
   LandmarkSearchOptions wide;
   wide.radius = options_.search_deg * kRadPerDeg;
   wide.ratio = options_.ratio;
   wide.same_place = 2 / camera_.fx;
-  if (!Agree(view, SearchNear(map_, view, prediction, wide), prediction) &&
-      !Agree(view, SearchAnywhere(map_, view, options_.ratio), prediction)) {
+  if (!Agree(view, SearchNear(map_, view, prediction, wide), prediction, noise) &&
+      !Agree(view, SearchAnywhere(map_, view, options_.ratio), prediction, noise)) {
     return false;
   }
   LandmarkSearchOptions close = wide;
-  close.radius = 5 / camera_.fx;
+  close.radius = 5 * noise / camera_.fx;
   close.ratio = 0.5 + 0.5 * options_.ratio;  // nearness has already told most rivals apart
   const Pose found = view.X_WC;
-  if (!Agree(view, SearchNear(map_, view, found, close), found)) return false;
-  keyframe_inliers_ = std::max(keyframe_inliers_, int(inliers_.size()));
-  return true;
+  return Agree(view, SearchNear(map_, view, found, close), found, noise);
 }
 
 /// The pose that most matches agree upon, and those matches as `inliers_`.
-bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess) {
+bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess,
+                                 double noise) {
   inliers_.clear();
   std::vector<InverseDepthSighting> sightings;
   std::vector<PointSighting> known;
   for (const LandmarkMatch& match : matches) {
     const Landmark& landmark = map_.landmarks()[size_t(match.landmark)];
     const size_t i = size_t(match.feature);
-    sightings.push_back({map_.Point(landmark), view.xy[i], view.sigma[i]});
+    sightings.push_back({map_.Point(landmark), view.xy[i], noise * view.sigma[i]});
     if (!landmark.Known()) continue;
     known.push_back({map_.Place(landmark), view.xy[i]});
   }
-  const auto rough = EstimateAbsolutePose(known, Ransacking(), random_, guess);
+  const auto rough = EstimateAbsolutePose(known, Ransacking(noise), random_, guess);
   if (int(rough.inliers.size()) < options_.min_inliers) return false;
   Pose pose = rough.model;
   const double limit2 = options_.outlier_sigmas * options_.outlier_sigmas;
