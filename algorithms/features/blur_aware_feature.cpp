@@ -6,6 +6,9 @@
 namespace gaitcam {
 namespace {
 
+/// Larger than any image; cut to the image's size when that is known.
+const cv::Rect kWholeImage(0, 0, 1 << 20, 1 << 20);
+
 Features Masked(const Features& features, const cv::Mat& mask) {
   Features kept;
   kept.descriptors = cv::Mat(0, features.descriptors.cols, features.descriptors.type());
@@ -20,6 +23,17 @@ Features Masked(const Features& features, const cv::Mat& mask) {
 }
 
 }  // namespace
+
+void BlurAwareFeature::SetBlur(const std::optional<LineBlur>& blur) {
+  known_.clear();
+  if (blur) known_.push_back({kWholeImage, {*blur, 1, blur->extent_px > 0}});
+}
+
+std::vector<BlurRegion> BlurAwareFeature::KnownRegions(const cv::Size& image) const {
+  std::vector<BlurRegion> regions = known_;
+  for (BlurRegion& region : regions) region.rectangle &= cv::Rect({0, 0}, image);
+  return regions;
+}
 
 void BlurAwareFeature::detectAndCompute(cv::InputArray image, cv::InputArray mask, std::vector<cv::KeyPoint>& keypoints,
                                         cv::OutputArray descriptors, bool use_provided_keypoints) {

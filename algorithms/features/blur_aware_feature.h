@@ -1,10 +1,11 @@
 /// What the detectors that know about motion blur have in common: they are cv::Feature2D, and they can be told the blur
-/// instead of estimating it.
+/// (by a gyroscope, or by the truth) instead of estimating it.
 
 #pragma once
 
 #include <opencv2/features2d.hpp>
 #include <optional>
+#include <vector>
 
 #include "algorithms/features/features.h"
 #include "algorithms/features/line_blur.h"
@@ -14,7 +15,10 @@ namespace gaitcam {
 class BlurAwareFeature : public cv::Feature2D {
  public:
   /// Takes this as the whole image's blur from now on, as certain; nullopt: estimate it again.
-  void SetBlur(const std::optional<LineBlur>& blur) { known_blur_ = blur; }
+  void SetBlur(const std::optional<LineBlur>& blur);
+  /// The same for an image whose parts have a blur of their own. Regions cover the images to come; none: estimate
+  /// again.
+  void SetBlurRegions(const std::vector<BlurRegion>& regions) { known_ = regions; }
 
   /// OpenCV's entry. Keypoints cannot be handed in (cv::Exception): they would have to come from the same scale space.
   /// @param image CV_8UC1 or CV_8UC3 (BGR); an empty one has no features.
@@ -30,10 +34,11 @@ class BlurAwareFeature : public cv::Feature2D {
   /// @param grey CV_8UC1, not empty.
   virtual Features Extract(const cv::Mat& grey) = 0;
 
-  const std::optional<LineBlur>& known_blur() const { return known_blur_; }
+  /// What was set, for an image of this size; empty if nothing was.
+  std::vector<BlurRegion> KnownRegions(const cv::Size& image) const;
 
  private:
-  std::optional<LineBlur> known_blur_;
+  std::vector<BlurRegion> known_;
 };
 
 }  // namespace gaitcam

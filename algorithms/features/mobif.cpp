@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "algorithms/features/adapted_gaussian.h"
+#include "algorithms/features/blur_field.h"
 #include "algorithms/features/light_response.h"
 #include "algorithms/features/psf.h"
 
@@ -20,32 +21,46 @@ class Mobif : public BlurAwareFeature {
 
  private:
   Features Extract(const cv::Mat& grey) override {
-    const ScaleSpace space = WithoutBlur(grey, Estimate(grey));
+    const ScaleSpace space = WithoutBlur(grey, Regions(grey));
     HessianOptions hessian = options_.hessian;
     hessian.max_points =
         std::min(hessian.max_points, int(options_.points_per_megapixel * 1e-6 * double(grey.total())) + 1);
     return DescribeSift(space, DetectHessian(space, hessian), options_.sift);
   }
 
-  BlurEstimate Estimate(const cv::Mat& grey) const {
-    if (known_blur()) return {*known_blur(), 1, known_blur()->extent_px >= options_.least_extent_px};
-    return psf_->EstimateWhole(grey);
+  /// Known, or estimated: one blur for all of the image, or a field. What is too short is taken for sharp.
+  std::vector<BlurRegion> Regions(const cv::Mat& grey) const {
+    std::vector<BlurRegion> regions = KnownRegions(grey.size());
+    if (regions.empty() && options_.regions) regions = SegmentBlurField(grey);
+    if (regions.empty()) regions = {{cv::Rect({0, 0}, grey.size()), psf_->EstimateWhole(grey)}};
+    for (BlurRegion& region : regions)
+      region.estimate.blurred &= region.estimate.blur.extent_px >= options_.least_extent_px;
+    return regions;
   }
 
-  /// Restored, adapted or as it is.
-  ScaleSpace WithoutBlur(const cv::Mat& grey, const BlurEstimate& estimate) {
-    const LineBlur& blur = estimate.blur;
-    if (!estimate.blurred || blur.extent_px < options_.least_extent_px)
-      return BuildScaleSpace(Unchanged(grey), options_.scale_space);
-    if (estimate.confidence >= options_.restore_confidence)
-      return BuildScaleSpace(Restored(grey, blur), options_.scale_space);
-    return BuildAdaptedScaleSpace(Unchanged(grey), blur, options_.scale_space, adapted_sigma_);
+  /// As it is, adapted or restored.
+  ScaleSpace WithoutBlur(const cv::Mat& grey, const std::vector<BlurRegion>& regions) {
+    const BlurRegion* blurred = nullptr;  // the largest of them
+    for (const BlurRegion& region : regions)
+      if (region.estimate.blurred && (!blurred || region.rectangle.area() > blurred->rectangle.area()))
+        blurred = &region;
+    if (!blurred) {
+      ScaleSpaceOptions sharp = options_.scale_space;
+      sharp.first_doubled = options_.double_sharp;
+      return BuildScaleSpace(Unchanged(grey), sharp);
+    }
+    if (regions.size() == 1 && blurred->estimate.confidence < options_.restore_confidence)
+      return BuildAdaptedScaleSpace(Unchanged(grey), blurred->estimate.blur, options_.scale_space, adapted_sigma_);
+    const bool of_light =
+        options_.light == "linear" ||
+        (options_.light == "auto" && BlurActedOnLight(grey(blurred->rectangle), blurred->estimate.blur));
+    const cv::Mat restored = Restored(of_light ? LightOfGrey(grey) : Unchanged(grey), regions);
+    return BuildScaleSpace(of_light ? GreyOfLight(restored) : restored, options_.scale_space);
   }
 
-  cv::Mat Restored(const cv::Mat& grey, const LineBlur& blur) const {
-    const bool of_light = options_.light == "linear" || (options_.light == "auto" && BlurActedOnLight(grey, blur));
-    if (of_light) return GreyOfLight(RestoreWiener(LightOfGrey(grey), blur, options_.wiener));
-    return RestoreWiener(Unchanged(grey), blur, options_.wiener);
+  cv::Mat Restored(const cv::Mat& values, const std::vector<BlurRegion>& regions) const {
+    if (regions.size() == 1) return RestoreWiener(values, regions.front().estimate.blur, options_.wiener);
+    return RestoreRegions(values, regions, options_.wiener);
   }
 
   /// Grey values from 0 to 1.
@@ -70,13 +85,14 @@ MobifOptions::MobifOptions() {
   hessian.threshold = 2e-4;
   hessian.compact = true;
   hessian.saddles = true;
+  hessian.max_anisotropy = 10;
   sift.root = true;
   sift.kind_weight = 0.2;
 }
 
 MobifOptions MobifFastOptions() {
   MobifOptions options;
-  options.wiener.border_passes = 0;
+  options.wiener.border_passes = 1;
   options.scale_space.sigma = 1.4;
   options.points_per_megapixel = 8000;
   return options;

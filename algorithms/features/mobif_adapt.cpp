@@ -29,8 +29,8 @@ class MobifAdapt : public BlurAwareFeature {
   }
 
   std::vector<BlurRegion> Regions(const cv::Mat& grey) const {  // 5.3.1
-    if (known_blur()) return {{cv::Rect({0, 0}, grey.size()), {*known_blur(), 1, true}}};
-    return SegmentBlur(grey, options_.segmentation);
+    const std::vector<BlurRegion> known = KnownRegions(grey.size());
+    return known.empty() ? SegmentBlur(grey, options_.segmentation) : known;
   }
 
   /// Features whose keypoints lie in the region, from the region and a margin around it.

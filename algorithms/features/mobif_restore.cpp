@@ -14,7 +14,8 @@ class MobifRestore : public BlurAwareFeature {
 
  private:
   Features Extract(const cv::Mat& grey) override {
-    const LineBlur blur = known_blur() ? *known_blur() : psf_->EstimateWhole(grey).blur;  // 5.2.1
+    const std::vector<BlurRegion> known = KnownRegions(grey.size());
+    const LineBlur blur = known.empty() ? psf_->EstimateWhole(grey).blur : known.front().estimate.blur;  // 5.2.1
     cv::Mat light;
     grey.convertTo(light, CV_32F, 1 / 255.0);
     if (blur.extent_px >= options_.least_extent_px) light = RestoreWiener(light, blur, options_.wiener);  // 5.2.2

@@ -36,6 +36,7 @@ void VisitFields(Visitor& visit, MobifRestoreOptions& o) {
   visit("sift", o.sift, Nested(), "descriptors");
 }
 
+/// Knows one blur only: of several regions that are set, the first one's.
 /// @throws BadOption, BadInput on an unknown estimator.
 cv::Ptr<BlurAwareFeature> MakeMobifRestore(const MobifRestoreOptions& options = {});
 

@@ -45,4 +45,37 @@ cv::Mat RestoreWiener(const cv::Mat& image, const LineBlur& blur, const WienerOp
   return spectrum.Through(WienerTransfer(blur, options));
 }
 
+namespace {
+
+/// 1 inside the region, falling to 0 at kSeam_px beyond its border: weights of neighbours that add up to 1.
+double Weight(const cv::Rect& region, int x, int y) {
+  const auto ramp = [](int inside) {  // pixels from the border to the inside, counted from the first
+    return std::clamp((inside + kSeam_px + 0.5) / (2 * kSeam_px), 0.0, 1.0);
+  };
+  return ramp(x - region.x) * ramp(region.br().x - 1 - x) * ramp(y - region.y) * ramp(region.br().y - 1 - y);
+}
+
+}  // namespace
+
+cv::Mat RestoreRegions(const cv::Mat& image, const std::vector<BlurRegion>& regions, const WienerOptions& options) {
+  cv::Mat sum = cv::Mat::zeros(image.size(), CV_32FC1), weights = cv::Mat::zeros(image.size(), CV_32FC1);
+  const cv::Rect whole({0, 0}, image.size());
+  for (const BlurRegion& region : regions) {
+    const auto grown = [&](int by) {
+      return (region.rectangle + cv::Size(2 * by, 2 * by) - cv::Point(by, by)) & whole;
+    };
+    const bool blurred = region.estimate.blurred;
+    const cv::Rect used = grown(kSeam_px);
+    const cv::Rect seen = blurred ? grown(kSeam_px + int(std::ceil(region.estimate.blur.extent_px))) : used;
+    const cv::Mat part = blurred ? RestoreWiener(image(seen), region.estimate.blur, options) : image(seen);
+    for (int y = used.y; y < used.br().y; ++y)
+      for (int x = used.x; x < used.br().x; ++x) {
+        const float weight = float(Weight(region.rectangle, x, y));
+        sum.at<float>(y, x) += weight * part.at<float>(y - seen.y, x - seen.x);
+        weights.at<float>(y, x) += weight;
+      }
+  }
+  return sum / weights;
+}
+
 }  // namespace gaitcam

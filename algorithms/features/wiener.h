@@ -3,6 +3,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "algorithms/core/fields.h"
 #include "algorithms/features/line_blur.h"
@@ -43,5 +44,11 @@ class WienerTransfer : public TransferFunction {
 /// @param image CV_32FC1 with its light in the units that the blur acted on (linear for a real exposure).
 /// @returns the same size and type; may leave the range of `image`.
 cv::Mat RestoreWiener(const cv::Mat& image, const LineBlur& blur, const WienerOptions& options);
+
+/// The same where parts of the image have a blur of their own. Each part is restored with some of its surroundings;
+/// neighbours fade into each other over `kSeam_px` on either side of their border.
+/// @param regions that cover the image. One whose estimate is not `blurred` stays as it is.
+cv::Mat RestoreRegions(const cv::Mat& image, const std::vector<BlurRegion>& regions, const WienerOptions& options);
+constexpr int kSeam_px = 8;
 
 }  // namespace gaitcam
