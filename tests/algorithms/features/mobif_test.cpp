@@ -136,6 +136,22 @@ TEST(Mobif, AKnownBlurIsTakenInsteadOfAnEstimate) {
   }
 }
 
+TEST(Mobif, RegionsThatShareABlurAreAboutOneImage) {
+  const Views views = Film(18);
+  const int w = views.blurred.cols, h = views.blurred.rows;
+  const BlurEstimate certain{{18, 0.5}, 1, true};
+  for (const cv::Ptr<BlurAwareFeature>& detector : {MakeMobif(), MakeMobifAdapt()}) {
+    detector->SetBlur(certain.blur);
+    const Features one = DetectFeatures(*detector, views.blurred, 10000);
+    detector->SetBlurRegions({{{0, 0, w / 2, h}, certain}, {{w / 2, 0, w - w / 2, h}, certain}});
+    const Features two = DetectFeatures(*detector, views.blurred, 10000);
+    int same = 0;
+    for (const Match& m : MatchDescriptors(one.descriptors, two.descriptors, {}))
+      same += cv::norm(one.keypoints[size_t(m.a)].pt - two.keypoints[size_t(m.b)].pt) < 0.5;
+    EXPECT_GT(same, 0.6 * one.size());  // the rest lies near the seam or the border
+  }
+}
+
 TEST(Mobif, IsAnOpenCvDetector) {
   const cv::Mat grey = Film(0).sharp;
   cv::Mat colour, mask = cv::Mat::zeros(grey.size(), CV_8UC1);

@@ -65,6 +65,26 @@ TEST(Wiener, LeavesAnUnblurredImageAloneButForItsGain) {
   EXPECT_LT(cv::norm(restored * 1.01, image, cv::NORM_INF), 1e-4);  // H = 1: W = 1 / (1 + gamma)
 }
 
+TEST(Wiener, RegionsWithTheSameBlurAreLikeTheWhole) {
+  const LineBlur blur{12, 0.4};
+  const Pictures p = Make(blur);
+  const int w = p.blurred.cols, h = p.blurred.rows;
+  const BlurEstimate certain{blur, 1, true};
+  const cv::Mat whole = RestoreWiener(p.blurred, blur, {});
+  const cv::Mat parts =
+      RestoreRegions(p.blurred, {{{0, 0, w / 2, h}, certain}, {{w / 2, 0, w - w / 2, h}, certain}}, {});
+  ASSERT_EQ(parts.size(), whole.size());
+  const cv::Rect away(w / 2 + 40, 40, w / 2 - 80, h - 80);  // from what a part does not see
+  EXPECT_LT(RootMeanSquare(parts(away), whole(away)), 0.25 * RootMeanSquare(p.blurred(away), whole(away)));
+  EXPECT_LT(RootMeanSquare(parts, p.sharp), RootMeanSquare(p.blurred, p.sharp));
+}
+
+TEST(Wiener, ASharpRegionStaysAsItIs) {
+  const cv::Mat image = Values(RandomPicture({120, 90}, 6));
+  const cv::Mat restored = RestoreRegions(image, {{{0, 0, 60, 90}, {}}, {{60, 0, 60, 90}, {}}}, {});
+  EXPECT_LT(cv::norm(restored, image, cv::NORM_INF), 1e-6);
+}
+
 TEST(Wiener, TransferIsEquation55) {
   const LineBlur blur{8, 0};
   WienerOptions options;
