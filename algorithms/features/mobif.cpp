@@ -4,6 +4,7 @@
 
 #include "algorithms/features/adapted_gaussian.h"
 #include "algorithms/features/blur_field.h"
+#include "algorithms/features/descriptor_entropy.h"
 #include "algorithms/features/light_response.h"
 #include "algorithms/features/psf.h"
 
@@ -25,7 +26,8 @@ class Mobif : public BlurAwareFeature {
     HessianOptions hessian = options_.hessian;
     hessian.max_points =
         std::min(hessian.max_points, int(options_.points_per_megapixel * 1e-6 * double(grey.total())) + 1);
-    return DescribeSift(space, DetectHessian(space, hessian), options_.sift);
+    const Features features = DescribeSift(space, DetectHessian(space, hessian), options_.sift);
+    return options_.discard_low_entropy ? DiscardLowEntropy(features) : features;
   }
 
   /// Known, or estimated: one blur for all of the image, or a field. What is too short is taken for sharp.
@@ -78,9 +80,9 @@ class Mobif : public BlurAwareFeature {
 }  // namespace
 
 MobifOptions::MobifOptions() {
-  wiener.gamma = 0.005;
-  wiener.gamma_slope = 0.05;
-  wiener.border_passes = 2;
+  wiener.gamma = 0.003;
+  wiener.gamma_slope = 0.1;
+  wiener.border_passes = 4;
   scale_space.sigma = 1.2;
   hessian.threshold = 2e-4;
   hessian.compact = true;
@@ -92,7 +94,7 @@ MobifOptions::MobifOptions() {
 
 MobifOptions MobifFastOptions() {
   MobifOptions options;
-  options.wiener.border_passes = 1;
+  options.wiener.border_passes = 2;
   options.scale_space.sigma = 1.4;
   options.points_per_megapixel = 8000;
   return options;

@@ -31,6 +31,9 @@ struct MobifOptions {
   /// At most so many points per million pixels; the strongest are kept. hessian.max_points holds as well.
   double points_per_megapixel = 14000;
   SiftOptions sift;
+  /// As the second approach does (thesis, section 5.3.2). Here it costs a fifth of the correct matches and gains no
+  /// precision.
+  bool discard_low_entropy = false;
 
   MobifOptions();
 };
@@ -48,6 +51,7 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("hessian", o.hessian, Nested(), "interest points");
   visit("points_per_megapixel", o.points_per_megapixel, AtLeast(100), "at most; the strongest are kept");
   visit("sift", o.sift, Nested(), "descriptors");
+  visit("discard_low_entropy", o.discard_low_entropy, Nested(), "discard features that say little");
 }
 
 /// Options that cost about half as much: fewer points.
