@@ -15,6 +15,7 @@ namespace gaitcam {
 namespace {
 
 constexpr double kRadPerDeg = M_PI / 180;
+constexpr double kFlat = 5;  // times the parallax is asked of a start that looks like a plane
 
 double Median(std::vector<double> values) {
   GAITCAM_ASSERT(!values.empty());
@@ -171,7 +172,9 @@ bool FrameToFrameVo::Tracker::Start(View& view, const std::vector<Match>& matche
   start_misses_ = 0;
   // It only turned, or hardly moved: whatever was computed means nothing yet.
   if (two_view.rotation_only || two_view.alternative) return false;
-  if (two_view.parallax < options_.start_parallax_deg * kRadPerDeg) return false;
+  // With little parallax everything looks flat; what still does with more of it is flat.
+  const double needed_deg = options_.start_parallax_deg * (two_view.planar ? kFlat : 1);
+  if (two_view.parallax < needed_deg * kRadPerDeg) return false;
   // Where everything is blurred no baseline is ever certain: less and less is asked for.
   const double patience = 1 + double(start_frames_) / options_.start_patience_frames;
   if (two_view.direction_sigma > patience * options_.start_direction_deg * kRadPerDeg) return false;
