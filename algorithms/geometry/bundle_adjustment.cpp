@@ -101,24 +101,37 @@ class SightingError : public ceres::SizedCostFunction<2, 7, 7, 3> {
   double weight_;
 };
 
-/// What the anchor saw, and what is thought of the inverse depth beforehand.
-class PointPrior : public ceres::SizedCostFunction<3, 3> {
+/// What the anchor saw.
+class AnchorError : public ceres::SizedCostFunction<2, 3> {
  public:
-  explicit PointPrior(const BundlePoint& point)
-      : value_(point.xy.x(), point.xy.y(), point.prior_rho),
-        weight_(1 / point.sigma, 1 / point.sigma, 1 / point.prior_sigma) {}
+  explicit AnchorError(const BundlePoint& point) : xy_(point.xy), weight_(1 / point.sigma) {}
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    Eigen::Map<Eigen::Vector3d> residual(residuals);
-    residual = weight_.cwiseProduct(Eigen::Map<const PointBlock>(parameters[0]) - value_);
+    Eigen::Map<Eigen::Vector2d> residual(residuals);
+    residual = weight_ * (Eigen::Map<const Eigen::Vector2d>(parameters[0]) - xy_);
     if (jacobians && jacobians[0]) {
-      Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> J(jacobians[0]);
-      J = weight_.asDiagonal();
+      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> J(jacobians[0]);
+      J << weight_, 0, 0, 0, weight_, 0;
     }
     return true;
   }
 
  private:
-  Eigen::Vector3d value_, weight_;
+  Eigen::Vector2d xy_;
+  double weight_;
+};
+
+/// What is thought of the inverse depth beforehand.
+class DepthPrior : public ceres::SizedCostFunction<1, 3> {
+ public:
+  explicit DepthPrior(const BundlePoint& point) : rho_(point.prior_rho), weight_(1 / point.prior_sigma) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    residuals[0] = weight_ * (parameters[0][2] - rho_);
+    if (jacobians && jacobians[0]) Eigen::Map<Eigen::RowVector3d>(jacobians[0]) << 0, 0, weight_;
+    return true;
+  }
+
+ private:
+  double rho_, weight_;
 };
 
 ceres::Solver::Options SolverOptions(const BundleOptions& options) {
@@ -127,7 +140,7 @@ ceres::Solver::Options SolverOptions(const BundleOptions& options) {
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = 1;  // sums in one order: the same bits on every run
   solver.logging_type = ceres::SILENT;
-  solver.function_tolerance = 1e-5;
+  solver.function_tolerance = 1e-6;
   return solver;
 }
 
@@ -156,6 +169,7 @@ BundleResult AdjustBundle(BundleProblem& problem, const BundleOptions& options) 
   ceres::Problem ceres_problem(ownership);
   PoseManifold manifold;
   ceres::HuberLoss huber(options.huber);
+  ceres::CauchyLoss cauchy(1);  // a prior that the sightings contradict loses its say
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (size_t i = 0; i < poses.size(); ++i) {
     ceres_problem.AddParameterBlock(poses[i].data(), 7, &manifold);
@@ -166,7 +180,8 @@ BundleResult AdjustBundle(BundleProblem& problem, const BundleOptions& options) 
   for (const BundlePoint& point : problem.points) points.emplace_back(point.ray.x(), point.ray.y(), point.rho);
   for (size_t i = 0; i < points.size(); ++i) {
     GAITCAM_ASSERT(problem.points[i].prior_sigma > 0 && problem.points[i].sigma > 0);
-    ceres_problem.AddResidualBlock(new PointPrior(problem.points[i]), nullptr, points[i].data());
+    ceres_problem.AddResidualBlock(new AnchorError(problem.points[i]), nullptr, points[i].data());
+    ceres_problem.AddResidualBlock(new DepthPrior(problem.points[i]), &cauchy, points[i].data());
     ordering->AddElementToGroup(points[i].data(), 0);
   }
   for (const BundleObservation& observation : problem.observations) {

@@ -28,7 +28,8 @@ double LandmarkMap::MedianDepth(const Pose& X_WC, double otherwise) const {
   return depths.size() < kFewest ? otherwise : Median(depths);
 }
 
-int LandmarkMap::AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth) {
+int LandmarkMap::AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth,
+                             const Guess& guess) {
   const int keyframe = int(keyframes_.size());
   keyframes_.push_back(view.X_WC);
   Observe(keyframe, view, matches);
@@ -37,7 +38,7 @@ int LandmarkMap::AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& 
     DropOutliers();
     view.X_WC = keyframes_.back();
   }
-  AddLandmarks(keyframe, view, matches, unit_depth);
+  AddLandmarks(keyframe, view, matches, unit_depth, guess);
   Forget();
   return keyframe;
 }
@@ -54,16 +55,35 @@ void LandmarkMap::Observe(int keyframe, const FrameView& view, const std::vector
     const size_t i = size_t(match.feature);
     landmark.observations.push_back({keyframe, view.xy[i], view.sigma[i]});
     landmark.last_keyframe = keyframe;
+    if (landmark.observations.size() == 1) Triangulate(landmark);
     view.features.descriptors.row(match.feature).copyTo(landmark.descriptor);
     landmark.descriptor.copyTo(landmark.latest);
   }
 }
 
+/// The inverse depth that fits the first two sightings best: bundle adjustment should not have to find it.
+void LandmarkMap::Triangulate(Landmark& landmark) const {
+  const LandmarkObservation& o = landmark.observations.front();
+  constexpr int kSteps = 6;
+  for (int step = 0; step < kSteps; ++step) {
+    const auto projection = LinearizeInverseDepth(keyframes_[size_t(landmark.anchor)], landmark.ray, landmark.rho,
+                                                  keyframes_[size_t(o.keyframe)]);
+    if (!projection) return;
+    const double information = projection->d_rho.squaredNorm() / (o.sigma * o.sigma), vague = 10 * landmark.prior_rho,
+                 prior = 1 / (vague * vague);
+    const double slope = projection->d_rho.dot(projection->xy - o.xy) / (o.sigma * o.sigma) +
+                         prior * (landmark.rho - landmark.prior_rho);
+    landmark.rho = std::max(0.0, landmark.rho - slope / (information + prior));
+    landmark.rho_sigma = 1 / std::sqrt(information + prior);
+  }
+}
+
 void LandmarkMap::AddLandmarks(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches,
-                               double unit_depth) {
+                               double unit_depth, const Guess& guess) {
   std::vector<bool> taken(view.xy.size(), false);
   for (const LandmarkMatch& match : matches) taken[size_t(match.feature)] = true;
   const double rho = 1 / MedianDepth(view.X_WC, unit_depth);
+  constexpr double kGuessSpread = 0.29;  // part of a guess that it may be off in the search: the guess may be wrong
   for (size_t i = 0; i < view.xy.size(); ++i) {
     if (taken[i]) continue;
     Landmark landmark;
@@ -73,6 +93,12 @@ void LandmarkMap::AddLandmarks(int keyframe, const FrameView& view, const std::v
     landmark.rho = landmark.prior_rho = rho;
     landmark.rho_sigma = rho;
     landmark.prior_sigma = 10 * rho;
+    if (const auto guessed = guess(view.X_WC, view.xy[i])) {
+      landmark.guessed = true;
+      landmark.rho = landmark.prior_rho = guessed->rho;
+      landmark.prior_sigma = guessed->sigma;
+      landmark.rho_sigma = kGuessSpread * guessed->rho;
+    }
     landmark.descriptor = view.features.descriptors.row(int(i)).clone();
     landmark.latest = landmark.descriptor.clone();
     landmarks_.push_back(std::move(landmark));

@@ -5,7 +5,9 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <functional>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "algorithms/core/pose.h"
@@ -20,6 +22,12 @@ struct FrameView {
   std::vector<Eigen::Vector2d> xy;  ///< Undistorted normalised coordinates, one per feature.
   std::vector<double> sigma;        ///< Standard deviation of each coordinate.
   Pose X_WC;
+};
+
+/// What is thought of an inverse depth beforehand.
+struct DepthGuess {
+  double rho = 0;
+  double sigma = 0;
 };
 
 struct LandmarkObservation {
@@ -41,7 +49,9 @@ struct Landmark {
   cv::Mat latest;                                 ///< ... and in the last frame, which may be blurred.
   int last_keyframe = 0;                          ///< The last that saw it.
 
-  bool Known() const { return !observations.empty() && rho > 0 && rho_sigma < 0.3 * rho; }
+  bool guessed = false;  ///< Its depth was guessed well before it was seen twice.
+
+  bool Known() const { return (guessed || !observations.empty()) && rho > 0 && rho_sigma < 0.3 * rho; }
 };
 
 struct LandmarkMapOptions {
@@ -61,10 +71,13 @@ class LandmarkMap {
  public:
   explicit LandmarkMap(const LandmarkMapOptions& options) : options_(options) {}
 
-  /// Adds a keyframe: `matches` become observations, every other feature a new landmark whose inverse depth is that of
-  /// the known ones around it, give or take all of it. Then refines the window and forgets what is old.
+  /// A guess of a feature's inverse depth, if there is one.
+  using Guess = std::function<std::optional<DepthGuess>(const Pose& X_WC, const Eigen::Vector2d& xy)>;
+
+  /// Adds a keyframe: `matches` become observations, every other feature a new landmark whose inverse depth is what
+  /// `guess` says, or that of the known ones, give or take all of it. Then refines the window and forgets what is old.
   /// @returns the keyframe's number; `view.X_WC` is refined.
-  int AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth);
+  int AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth, const Guess& guess);
 
   /// Remembers how landmarks look in a frame that will be no keyframe.
   void Refresh(const FrameView& view, const std::vector<LandmarkMatch>& matches);
@@ -93,7 +106,9 @@ class LandmarkMap {
 
  private:
   void Observe(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches);
-  void AddLandmarks(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth);
+  void Triangulate(Landmark& landmark) const;
+  void AddLandmarks(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth,
+                    const Guess& guess);
   void Adjust();
   void DropOutliers();
   void Forget();

@@ -8,6 +8,7 @@
 #include "algorithms/features/matching.h"
 #include "algorithms/geometry/absolute_pose.h"
 #include "algorithms/geometry/two_view.h"
+#include "algorithms/odometry/floor_guess.h"
 #include "algorithms/odometry/landmark_map.h"
 #include "algorithms/odometry/landmark_search.h"
 
@@ -54,6 +55,10 @@ class MobifVoPlus::Tracker {
 
   bool Start(FrameView& view);
   bool StartMap(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
+  void AddKeyframe(FrameView& view);
+  LandmarkMap::Guess Guess() const {
+    return [this](const Pose& X_WC, const Eigen::Vector2d& xy) { return floor_.At(X_WC, xy); };
+  }
   Pose Predict(const Observation& observation) const;
   bool Locate(FrameView& view, const Pose& prediction);
   bool LocateWithNoise(FrameView& view, const Pose& prediction, double noise);
@@ -70,6 +75,7 @@ class MobifVoPlus::Tracker {
   RandomStream random_;
 
   LandmarkMap map_;
+  FloorGuess floor_;
   std::optional<FrameView> reference_;  ///< The first of the two frames that will start a map.
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int keyframe_ = -1;                   ///< The latest of the present map; -1: there is no map yet.
@@ -97,10 +103,7 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
     lost_frames_ = 0;
     if (had_map && WantsKeyframe(view)) {
       ScaleNoise(view);
-      keyframe_ = map_.AddKeyframe(view, inliers_, median_depth_);
-      keyframe_inliers_ = 0;
-      usual_inliers_ = 0;
-      median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
+      AddKeyframe(view);
     } else {
       map_.Refresh(view, inliers_);
     }
@@ -110,6 +113,7 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
     answer.status = X_WC_last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
     if (++lost_frames_ > options_.max_lost_frames && had_map) {
       map_.Clear();
+      floor_.Clear();
       keyframe_ = -1;
       reference_.reset();
     }
@@ -185,13 +189,20 @@ bool MobifVoPlus::Tracker::StartMap(FrameView& view, const std::vector<Match>& m
   }
   if (int(pairs.size()) < options_.min_start_points) return false;
   const double unit = median_depth_ / Median(depths);
-  map_.AddKeyframe(*reference_, {}, median_depth_);
+  map_.AddKeyframe(*reference_, {}, median_depth_, Guess());
   for (size_t i = 0; i < pairs.size(); ++i) map_.SetDepth(pairs[i].landmark, 1 / (unit * depths[i]));
   view.X_WC = reference_->X_WC * Pose(two_view.X_AB.rotation, unit * t);
   inliers_ = pairs;
-  keyframe_ = map_.AddKeyframe(view, inliers_, median_depth_);
-  keyframe_inliers_ = 0;
+  AddKeyframe(view);
   return true;
+}
+
+void MobifVoPlus::Tracker::AddKeyframe(FrameView& view) {
+  keyframe_ = map_.AddKeyframe(view, inliers_, median_depth_, Guess());
+  keyframe_inliers_ = 0;
+  usual_inliers_ = 0;
+  median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
+  if (options_.use_floor) floor_.Update(map_, view.X_WC, random_);
 }
 
 /// Where the camera was, turned on as the gyroscope says if it is asked.
@@ -242,14 +253,16 @@ bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatc
                                  double noise) {
   inliers_.clear();
   std::vector<InverseDepthSighting> sightings;
-  std::vector<PointSighting> known;
+  std::vector<PointSighting> known, any;
   for (const LandmarkMatch& match : matches) {
     const Landmark& landmark = map_.landmarks()[size_t(match.landmark)];
     const size_t i = size_t(match.feature);
     sightings.push_back({map_.Point(landmark), view.xy[i], noise * view.sigma[i]});
-    if (!landmark.Known()) continue;
-    known.push_back({map_.Place(landmark), view.xy[i]});
+    if (landmark.rho <= 0) continue;
+    (landmark.Known() ? known : any).push_back({map_.Place(landmark), view.xy[i]});
   }
+  // After a turn on the spot hardly anything in view has a known depth: then all have to do.
+  if (int(known.size()) < 4 * options_.min_inliers) known.insert(known.end(), any.begin(), any.end());
   const auto rough = EstimateAbsolutePose(known, Ransacking(noise), random_, guess);
   if (int(rough.inliers.size()) < options_.min_inliers) return false;
   Pose pose = rough.model;
@@ -322,7 +335,7 @@ void MobifVoPlus::Tracker::Record(const FrameEstimate& answer, const FrameView& 
 /// Frames after a keyframe move with it. Frames that turned on the spot before the first keyframe in truth moved on to
 /// it: they get their part of the way.
 std::vector<FrameEstimate> MobifVoPlus::Tracker::Finish() {
-  fprintf(stderr, "DEBUG keyframes %zu frames %zu landmarks %zu\n", map_.keyframes().size(), records_.size(),
+  fprintf(stderr, "DEBUG keyframes %zu frames %zu landmarks %zu\n", floor_.height().value_or(-1), map_.keyframes().size(), records_.size(),
           map_.landmarks().size());
   std::vector<FrameEstimate> frames;
   for (const FrameRecord& record : records_) {

@@ -24,14 +24,14 @@ namespace gaitcam {
 struct MobifVoPlusOptions {
   using DescribedTag = void;
 
-  std::string feature = "sift";       ///< Detector by name (algorithms/features/features.h).
+  std::string feature = "mobif";      ///< Detector by name (algorithms/features/features.h).
   int max_features = 800;             ///< Strongest features kept per frame.
   double sensitivity = 4;             ///< The detector's threshold is divided by this.
   double ratio = 0.8;                 ///< Nearest over second nearest descriptor distance.
   double sigma_px = 0.4;              ///< Standard deviation of where a feature is seen, px, for the smallest ...
   double sigma_per_size = 0.05;       ///< ... and what each px of a keypoint's diameter adds to it.
   double search_deg = 10;             ///< How far from where it is predicted a point is looked for first.
-  double outlier_sigmas = 3.5;        ///< A sighting further from its projection is not believed.
+  double outlier_sigmas = 3.0;        ///< A sighting further from its projection is not believed.
   double noise_of_second_look = 2.5;  ///< Where no pose is agreed upon, noise may be so many times larger.
   int min_inliers = 15;               ///< With fewer a frame has no pose.
   int max_lost_frames = 30;           ///< After so many frames without a pose the map is given up and begun anew.
@@ -41,12 +41,13 @@ struct MobifVoPlusOptions {
   int min_start_points = 40;         ///< Points that a new map needs.
 
   double keyframe_parallax_deg = 2.0;  ///< Median angle at the points that makes a frame a keyframe ...
-  double keyframe_turn_deg = 15.0;     ///< ... or a turn by so much ...
+  double keyframe_turn_deg = 12.0;     ///< ... or a turn by so much ...
   double keyframe_overlap = 0.6;       ///< ... or fewer points than this part of the last keyframe's.
   int max_wait_frames = 10;            ///< A due keyframe waits at most so long for a frame that sees well.
   int window = 12;                     ///< Keyframes refined together.
   int memory = 20;                     ///< Keyframes after which a point that was not seen again is forgotten.
-  int adjust_iterations = 8;           ///< Most steps of one bundle adjustment.
+  int adjust_iterations = 20;          ///< Most steps of one bundle adjustment.
+  bool use_floor = true;               ///< Keep the scale by the camera's height over the floor, where it is seen.
   bool use_imu = false;                ///< Predict each frame's turn by the gyroscope.
 };
 
@@ -74,6 +75,7 @@ void VisitFields(Visitor& visit, MobifVoPlusOptions& o) {
   visit("window", o.window, Between(2, 1000), "keyframes refined together");
   visit("memory", o.memory, Between(1, 100000), "keyframes until an unseen point is forgotten");
   visit("adjust_iterations", o.adjust_iterations, Between(1, 1000), "most steps of a bundle adjustment");
+  visit("use_floor", o.use_floor, Nested(), "keep the scale by the camera's height over the floor");
   visit("use_imu", o.use_imu, Nested(), "predict each frame's turn by the gyroscope");
 }
 
