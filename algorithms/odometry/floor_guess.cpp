@@ -1,6 +1,7 @@
 #include "algorithms/odometry/floor_guess.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -15,6 +16,7 @@ constexpr double kThickness = 0.06;       // of the floor, part of the camera's 
 constexpr double kHeightSpread = 0.06;    // how much a walking camera's height varies, part of it
 constexpr double kTiltSpread_rad = 0.02;  // how well the normal is known
 constexpr int kLately = 5;                // keyframes
+constexpr size_t kAgreeing = 4;           // planes in a row whose heights have to agree within the spread
 
 /// normal . p + height = 0, in the camera's frame.
 struct Plane {
@@ -86,8 +88,11 @@ void FloorGuess::Update(const LandmarkMap& map, const Pose& X_WC, RandomStream& 
   best = LeastSquares(points, inliers, best);
   const Eigen::Vector3d normal_W = X_WC.rotation * best.normal;
   if (!height_) {
-    height_ = best.height;
     normal_W_ = normal_W;
+    heights_.push_back(best.height);
+    if (heights_.size() > kAgreeing) heights_.erase(heights_.begin());
+    const auto [low, high] = std::minmax_element(heights_.begin(), heights_.end());
+    if (heights_.size() == kAgreeing && *high < (1 + kHeightSpread) * *low) height_ = (*low + *high) / 2;
   } else {
     constexpr double kFollow = 0.2;  // of each new normal: turns of the map drift slowly
     normal_W_ = ((1 - kFollow) * normal_W_ + kFollow * normal_W).normalized();

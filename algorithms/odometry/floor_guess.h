@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "algorithms/core/random.h"
 #include "algorithms/odometry/landmark_map.h"
@@ -25,13 +26,17 @@ class FloorGuess {
   std::optional<DepthGuess> At(const Pose& X_WC, const Eigen::Vector2d& xy) const;
 
   /// Forgets the height: a new map has a new unit.
-  void Clear() { height_.reset(); }
+  void Clear() {
+    height_.reset();
+    heights_.clear();
+  }
 
   std::optional<double> height() const { return height_; }  ///< Of the camera over the floor, in the map's unit.
   const Eigen::Vector3d& normal() const { return normal_W_; }
 
  private:
   std::optional<double> height_;
+  std::vector<double> heights_;                         ///< Of the latest planes, until they agree.
   Eigen::Vector3d normal_W_ = Eigen::Vector3d::Zero();  ///< Up.
 };
 

@@ -162,7 +162,8 @@ bool MobifVoPlus::Tracker::Start(FrameView& view) {
   }
   const TwoView two_view = EstimateTwoView(pairs, {2.0 / camera_.fx, 0.9999, 300, 20}, random_);
   if (int(two_view.inliers.size()) < options_.min_start_points) return begin_here();
-  if (two_view.parallax > options_.start_parallax_deg * kRadPerDeg &&
+  const bool moved = !two_view.rotation_only && !two_view.alternative;  // a plane seen twice allows two motions: wait
+  if (moved && two_view.parallax > options_.start_parallax_deg * kRadPerDeg &&
       two_view.direction_sigma < options_.start_direction_deg * kRadPerDeg && StartMap(view, matches, two_view)) {
     return true;
   }
@@ -335,8 +336,8 @@ void MobifVoPlus::Tracker::Record(const FrameEstimate& answer, const FrameView& 
 /// Frames after a keyframe move with it. Frames that turned on the spot before the first keyframe in truth moved on to
 /// it: they get their part of the way.
 std::vector<FrameEstimate> MobifVoPlus::Tracker::Finish() {
-  fprintf(stderr, "DEBUG keyframes %zu frames %zu landmarks %zu\n", floor_.height().value_or(-1), map_.keyframes().size(), records_.size(),
-          map_.landmarks().size());
+  fprintf(stderr, "DEBUG keyframes %zu frames %zu landmarks %zu\n", floor_.height().value_or(-1),
+          map_.keyframes().size(), records_.size(), map_.landmarks().size());
   std::vector<FrameEstimate> frames;
   for (const FrameRecord& record : records_) {
     FrameEstimate frame = record.answer;

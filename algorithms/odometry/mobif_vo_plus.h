@@ -36,8 +36,8 @@ struct MobifVoPlusOptions {
   int min_inliers = 15;               ///< With fewer a frame has no pose.
   int max_lost_frames = 30;           ///< After so many frames without a pose the map is given up and begun anew.
 
-  double start_parallax_deg = 0.5;   ///< Median angle between the rays of the two frames that start a map ...
-  double start_direction_deg = 1.0;  ///< ... and the largest standard deviation of their baseline's direction.
+  double start_parallax_deg = 1.0;   ///< Median angle between the rays of the two frames that start a map ...
+  double start_direction_deg = 0.5;  ///< ... and the largest standard deviation of their baseline's direction.
   int min_start_points = 40;         ///< Points that a new map needs.
 
   double keyframe_parallax_deg = 2.0;  ///< Median angle at the points that makes a frame a keyframe ...
