@@ -16,13 +16,8 @@ constexpr double kThickness = 0.06;       // of the floor, part of the camera's 
 constexpr double kHeightSpread = 0.06;    // how much a walking camera's height varies, part of it
 constexpr double kTiltSpread_rad = 0.02;  // how well the normal is known
 constexpr int kLately = 5;                // keyframes
-constexpr size_t kAgreeing = 4;           // planes in a row whose heights have to agree within the spread
 
-/// normal . p + height = 0, in the camera's frame.
-struct Plane {
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  double height = 0;
-};
+using Plane = FloorPlane;
 
 std::optional<Plane> Through(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   Plane plane;
@@ -61,16 +56,8 @@ Plane LeastSquares(const std::vector<Eigen::Vector3d>& points, const std::vector
 
 }  // namespace
 
-void FloorGuess::Update(const LandmarkMap& map, const Pose& X_WC, RandomStream& random) {
-  const int newest = int(map.keyframes().size()) - 1;
-  const Pose X_CW = X_WC.Inverse();
-  std::vector<Eigen::Vector3d> points;
-  for (const Landmark& landmark : map.landmarks()) {
-    if (!landmark.Known() || landmark.observations.empty() || newest - landmark.last_keyframe > kLately) continue;
-    const Eigen::Vector3d p_C = X_CW * map.Place(landmark);
-    if (p_C.y() > 0) points.push_back(p_C);
-  }
-  if (int(points.size()) < kFewestInliers) return;
+std::optional<FloorPlane> FindFloor(const std::vector<Eigen::Vector3d>& points, RandomStream& random) {
+  if (int(points.size()) < kFewestInliers) return {};
   Plane best;
   std::vector<int> inliers;
   constexpr int kSamples = 200;
@@ -84,15 +71,25 @@ void FloorGuess::Update(const LandmarkMap& map, const Pose& X_WC, RandomStream& 
       best = *plane;
     }
   }
-  if (int(inliers.size()) < kFewestInliers) return;
-  best = LeastSquares(points, inliers, best);
-  const Eigen::Vector3d normal_W = X_WC.rotation * best.normal;
+  if (int(inliers.size()) < kFewestInliers) return {};
+  return LeastSquares(points, inliers, best);
+}
+
+void FloorGuess::Update(const LandmarkMap& map, const Pose& X_WC, RandomStream& random) {
+  const int newest = int(map.keyframes().size()) - 1;
+  const Pose X_CW = X_WC.Inverse();
+  std::vector<Eigen::Vector3d> points;
+  for (const Landmark& landmark : map.landmarks()) {
+    if (!landmark.Known() || landmark.observations.empty() || newest - landmark.last_keyframe > kLately) continue;
+    const Eigen::Vector3d p_C = X_CW * map.Place(landmark);
+    if (p_C.y() > 0) points.push_back(p_C);
+  }
+  const auto plane = FindFloor(points, random);
+  if (!plane) return;
+  const Eigen::Vector3d normal_W = X_WC.rotation * plane->normal;
   if (!height_) {
+    height_ = plane->height;
     normal_W_ = normal_W;
-    heights_.push_back(best.height);
-    if (heights_.size() > kAgreeing) heights_.erase(heights_.begin());
-    const auto [low, high] = std::minmax_element(heights_.begin(), heights_.end());
-    if (heights_.size() == kAgreeing && *high < (1 + kHeightSpread) * *low) height_ = (*low + *high) / 2;
   } else {
     constexpr double kFollow = 0.2;  // of each new normal: turns of the map drift slowly
     normal_W_ = ((1 - kFollow) * normal_W_ + kFollow * normal_W).normalized();

@@ -15,10 +15,21 @@
 
 namespace gaitcam {
 
+/// normal . p + height = 0 for points p of the camera's frame; the normal points up, the camera is `height` above.
+struct FloorPlane {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double height = 0;
+};
+
+/// The level plane that most points lie on and next to none below (RANSAC, then least squares).
+/// @param points in the camera's frame, all below its centre (y > 0)
+/// @returns nothing if fewer than 40 points agree.
+std::optional<FloorPlane> FindFloor(const std::vector<Eigen::Vector3d>& points, RandomStream& random);
+
 class FloorGuess {
  public:
-  /// Fits a plane to the known landmarks seen lately below the camera (RANSAC, then least squares). The first good
-  /// plane fixes the camera's height for good; later ones follow the normal alone.
+  /// Looks for the floor among the known landmarks seen lately below the camera. The first one found fixes the camera's
+  /// height for good; later ones follow the normal alone.
   void Update(const LandmarkMap& map, const Pose& X_WC, RandomStream& random);
 
   /// Inverse depth of a feature if it lies on the floor; nothing above or near the horizon, or where no floor was
@@ -26,17 +37,13 @@ class FloorGuess {
   std::optional<DepthGuess> At(const Pose& X_WC, const Eigen::Vector2d& xy) const;
 
   /// Forgets the height: a new map has a new unit.
-  void Clear() {
-    height_.reset();
-    heights_.clear();
-  }
+  void Clear() { height_.reset(); }
 
   std::optional<double> height() const { return height_; }  ///< Of the camera over the floor, in the map's unit.
   const Eigen::Vector3d& normal() const { return normal_W_; }
 
  private:
   std::optional<double> height_;
-  std::vector<double> heights_;                         ///< Of the latest planes, until they agree.
   Eigen::Vector3d normal_W_ = Eigen::Vector3d::Zero();  ///< Up.
 };
 

@@ -178,6 +178,7 @@ bool MobifVoPlus::Tracker::StartMap(FrameView& view, const std::vector<Match>& m
   const Eigen::Vector3d t = two_view.X_AB.translation;
   std::vector<LandmarkMatch> pairs;
   std::vector<double> depths;
+  std::vector<Eigen::Vector3d> below;
   for (const int i : two_view.inliers) {
     const Match& match = matches[size_t(i)];
     const Eigen::Vector3d a = reference_->xy[size_t(match.a)].homogeneous(),
@@ -186,9 +187,12 @@ bool MobifVoPlus::Tracker::StartMap(FrameView& view, const std::vector<Match>& m
     const double depth = t.dot(normal) / a.dot(normal);
     if (!(depth > 0) || !std::isfinite(depth)) continue;
     depths.push_back(depth);
+    if (a.y() > 0) below.push_back(depth * a);
     pairs.push_back({match.a, match.b});
   }
   if (int(pairs.size()) < options_.min_start_points) return false;
+  // Two views of nothing but a plane allow two motions, and noise picks one: where it makes the floor a slope, wait.
+  if (two_view.planar && options_.use_floor && !FindFloor(below, random_)) return false;
   const double unit = median_depth_ / Median(depths);
   map_.AddKeyframe(*reference_, {}, median_depth_, Guess());
   for (size_t i = 0; i < pairs.size(); ++i) map_.SetDepth(pairs[i].landmark, 1 / (unit * depths[i]));
