@@ -1,0 +1,126 @@
+/// Films that odometries are tried on, what may befall them, and what must hold of every answer.
+
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/algorithms/odometry/synthetic_scene.h"
+
+namespace gaitcam {
+
+// Small, so that the tests are fast: 208 px focal length.
+inline const CameraModel kCamera = CameraModel::FromHorizontalFov(240, 180, 60);
+
+inline const SyntheticScene& Room() {
+  static const SyntheticScene room(1);
+  return room;
+}
+
+// Sideways at 25 cm/s, looking at a wall 3 m away and the floor before it: parallax within half a second.
+inline Pose SidewaysPose(double t_s) { return LookingForward({-0.5, -0.8 + 0.25 * t_s, 0.5}, 0, -0.3, 0); }
+
+inline const Film& SidewaysFilm() {
+  static const Film film = FilmPath(Room(), kCamera, 40, SidewaysPose, 5, 2);
+  return film;
+}
+
+inline Observation Filled(const Observation& like, int grey) {
+  Observation filled = like;
+  filled.image.pixels = cv::Mat(like.image.pixels.size(), CV_8UC1, cv::Scalar(grey));
+  return filled;
+}
+
+template <class Odometry>
+Estimate TrackAll(Odometry& vo, const std::vector<Observation>& frames) {
+  Estimate estimate;
+  for (const Observation& frame : frames) estimate.frames.push_back(vo.Track(frame));
+  return estimate;
+}
+
+// Root mean square distance of the estimated positions from the true ones after the best similarity.
+struct Sim3Error {
+  double rmse_m = 0, scale = 0;
+};
+inline Sim3Error AlignedError(const Estimate& estimate, const Trajectory& truth) {
+  const Trajectory path = estimate.ToTrajectory();
+  Eigen::Matrix3Xd from(3, path.size()), to(3, path.size());
+  for (size_t i = 0; i < path.size(); ++i) {
+    from.col(long(i)) = path[i].pose.translation;
+    to.col(long(i)) = PoseAt(truth, path[i].stamp_ns)->translation;
+  }
+  const Eigen::Matrix4d S = Eigen::umeyama(from, to, true);
+  const Eigen::Matrix3Xd moved = (S * from.colwise().homogeneous()).topRows<3>();
+  return {std::sqrt((moved - to).colwise().squaredNorm().mean()), S.block<3, 1>(0, 0).norm()};
+}
+
+inline int Count(const Estimate& estimate, TrackingStatus status) {
+  int count = 0;
+  for (const FrameEstimate& frame : estimate.frames) count += frame.status == status;
+  return count;
+}
+
+// No NaN, a pose exactly when tracking, and no jump that is not marked: 25 cm/s are 8 mm per frame, in units of 2 to 4
+// m.
+inline void ExpectSane(const Estimate& estimate) {
+  std::optional<Pose> last;
+  for (size_t i = 0; i < estimate.frames.size(); ++i) {
+    const FrameEstimate& frame = estimate.frames[i];
+    ASSERT_EQ(frame.pose.has_value(), frame.status == TrackingStatus::kTracking) << i;
+    if (!frame.pose) continue;
+    ASSERT_TRUE(frame.pose->Matrix().allFinite()) << i;
+    if (last && !frame.restarted) {
+      EXPECT_LT((frame.pose->translation - last->translation).norm(), 0.15) << i;
+    }
+    last = frame.pose;
+  }
+}
+
+inline void ExpectSameBits(const Estimate& a, const Estimate& b) {
+  ASSERT_EQ(a.frames.size(), b.frames.size());
+  for (size_t i = 0; i < a.frames.size(); ++i) {
+    EXPECT_EQ(a.frames[i].status, b.frames[i].status) << "frame " << i;
+    EXPECT_EQ(a.frames[i].features, b.frames[i].features);
+    EXPECT_EQ(a.frames[i].inliers, b.frames[i].inliers);
+    ASSERT_EQ(a.frames[i].pose.has_value(), b.frames[i].pose.has_value());
+    if (!a.frames[i].pose) continue;
+    EXPECT_EQ(a.frames[i].pose->translation, b.frames[i].pose->translation);
+    EXPECT_EQ(a.frames[i].pose->rotation.coeffs(), b.frames[i].pose->rotation.coeffs());
+  }
+}
+
+// What happens to frames 27 to 31 of the film, and whether a pose may be had in them all the same.
+struct Mishap {
+  std::string name;
+  std::function<Observation(const Observation&)> befalls;
+};
+
+inline std::vector<Mishap> Mishaps() {
+  return {Mishap{"Black", [](const Observation& o) { return Filled(o, 0); }},
+          Mishap{"Saturated", [](const Observation& o) { return Filled(o, 255); }},
+          Mishap{"Frozen",
+                 [](const Observation& o) {
+                   Observation frozen = o;
+                   frozen.image.pixels = SidewaysFilm().frames[26].image.pixels;
+                   return frozen;
+                 }},
+          Mishap{"Dark",
+                 [](const Observation& o) {
+                   Observation dark = o;
+                   dark.image.pixels = o.image.pixels * 0.25;
+                   return dark;
+                 }},
+          Mishap{"Overexposed", [](const Observation& o) {
+                   Observation bright = o;
+                   bright.image.pixels = o.image.pixels * 3;
+                   return bright;
+                 }}};
+}
+
+}  // namespace gaitcam
