@@ -312,7 +312,7 @@ std::vector<std::vector<Eigen::Vector2d>> Pieces(const Estimate& estimate, const
 std::vector<Curve> Curves(const Recording& recording, const std::vector<Track>& tracks, const Arguments& arguments) {
   const double rate_hz = recording.resolved.scenario.camera.rate_hz;
   std::vector<Curve> curves;
-  curves.push_back({"truth", {60, 60, 60}, 3, Pieces(EstimateFromTrajectory(recording.truth), {}, rate_hz)});
+  curves.push_back({"truth", {150, 150, 150}, 5, Pieces(EstimateFromTrajectory(recording.truth), {}, rate_hz)});
   for (size_t s = 0; s < tracks.size(); ++s) {
     const std::string& name = arguments.systems[s];
     if (name != "sift_vo" && name != "mobif_vo_plus") continue;
@@ -327,7 +327,7 @@ std::vector<Curve> Curves(const Recording& recording, const std::vector<Track>& 
 
 /// What part of the world is drawn where: x to the right, y up, the same scale for both.
 struct View {
-  static constexpr int kWidth = 900, kHeight = 700, kLeft = 70, kRight = 20, kTop = 50, kBottom = 60;
+  static constexpr int kWidth = 900, kHeight = 700, kLeft = 70, kRight = 20, kTop = 95, kBottom = 60;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   double px_per_m = 1;
 
@@ -398,16 +398,14 @@ void DrawCurve(cv::Mat area, const View& view, const Curve& curve) {
   }
 }
 
+/// In a row above the drawing, so that it hides nothing.
 void DrawLegend(cv::Mat& image, const std::vector<Curve>& curves) {
-  const cv::Rect area = View::Area();
-  const int width = 330, top = area.y + 10, left = area.br().x - width - 10;
-  const cv::Rect box(left, top, width, 14 + 24 * int(curves.size()));
-  cv::rectangle(image, box, {255, 255, 255}, cv::FILLED);
-  cv::rectangle(image, box, {160, 160, 160});
-  for (size_t i = 0; i < curves.size(); ++i) {
-    const int y = top + 20 + 24 * int(i);
-    cv::line(image, {left + 10, y}, {left + 45, y}, curves[i].color, curves[i].width, cv::LINE_AA);
-    Write(image, curves[i].label, {left + 55, y + 5}, 0.5);
+  int x = View::kLeft;
+  for (const Curve& curve : curves) {
+    const int y = View::kTop - 42;
+    cv::line(image, {x, y}, {x + 35, y}, curve.color, curve.width, cv::LINE_AA);
+    Write(image, curve.label, {x + 43, y + 5}, 0.5);
+    x += 43 + cv::getTextSize(curve.label, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr).width + 30;
   }
 }
 
@@ -423,7 +421,7 @@ void DrawPaths(const Recording& recording, const std::vector<Track>& tracks, con
   Write(image,
         fmt::format("{}, seed {}, {:g} ms: paths from above", scenario.name, scenario.seed,
                     scenario.camera.exposure.exposure_ms),
-        {View::kLeft + 60, 32}, 0.65);
+        {View::kLeft, 30}, 0.65);
   if (!cv::imwrite(arguments.picture, image)) throw MissingResource("cannot write " + arguments.picture);
 }
 
