@@ -337,8 +337,7 @@ void MobifVoPlus::Tracker::Record(const FrameEstimate& answer, const FrameView& 
   records_.push_back(record);
 }
 
-/// Frames after a keyframe move with it. Frames that turned on the spot before the first keyframe in truth moved on to
-/// it: they get their part of the way.
+/// Frames after a keyframe move with it.
 std::vector<FrameEstimate> MobifVoPlus::Tracker::Finish() {
   fprintf(stderr, "DEBUG keyframes %zu frames %zu landmarks %zu\n", floor_.height().value_or(-1),
           map_.keyframes().size(), records_.size(), map_.landmarks().size());

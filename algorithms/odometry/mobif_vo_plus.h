@@ -91,8 +91,8 @@ class MobifVoPlus {
   /// @throws BadInput if the image's size is not the camera's.
   FrameEstimate Track(const Observation& observation);
 
-  /// The final word on every frame: later keyframes have refined the earlier ones, and frames before the first map have
-  /// got a place on the way from its first keyframe to its second.
+  /// The final word on every frame: where later keyframes have refined earlier ones, the frames about them move along.
+  /// Frames before the first map stay where they were: turned, but not moved.
   std::vector<FrameEstimate> Finish();
 
  private:
