@@ -139,7 +139,8 @@ int CommandLine(int argc, char** argv) {
       "Examples:\n"
       "  gaitcam run scenarios/quickstart.yaml\n"
       "  gaitcam record scenarios/quickstart.yaml --format euroc --out datasets/walk\n"
-      "Exit codes: 0 done; 2 bad input; 3 too little covered to score; 4 the machine lacks something.");
+      "Exit codes: 0 done; 2 bad input; 3 too little covered to score; 4 the machine lacks something;\n"
+      "130 interrupted, what is finished is kept.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

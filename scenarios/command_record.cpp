@@ -29,8 +29,9 @@ int RecordCommand(const RecordArguments& arguments, const CommonOptions& common)
                                               {"frames", outcome.frames}}
                            .dump(2));
   } else if (!common.quiet) {
-    fmt::print("{} frames; the walk {} at {:.2f} s\nsensors: {}\ntruth:   {}\n", outcome.frames, outcome.status,
-               outcome.end_time_s, outcome.folders.sensors.string(), outcome.folders.truth.string());
+    fmt::print("{} frames; the walk {} at {:.2f} s\nsensors: {}\ntruth:   {}\n", outcome.frames,
+               outcome.status == "interrupted" ? "was interrupted" : outcome.status, outcome.end_time_s,
+               outcome.folders.sensors.string(), outcome.folders.truth.string());
   }
   return outcome.status == "interrupted" ? 130 : 0;
 }

@@ -18,7 +18,7 @@ std::string ReadText(const std::filesystem::path& file) {
 }
 
 void PrintOutcome(const RunOutcome& outcome) {
-  fmt::print("{}", ScoresToTable(outcome.scores));
+  if (outcome.scores) fmt::print("{}", ScoresToTable(*outcome.scores));
   if (outcome.status == "fell") {
     fmt::print("\nThe robot FELL after {:.2f} s; the scores cover what was filmed until then.\n", outcome.end_time_s);
   } else if (outcome.status == "interrupted") {
@@ -41,12 +41,20 @@ int RunCommand(const RunArguments& arguments, const CommonOptions& common) {
   options.quiet = common.quiet;
   options.interrupted = [&guard] { return guard.Interrupted(); };
   const RunOutcome outcome = RunScenario(resolved, options);
+  const bool interrupted = outcome.status == "interrupted";
+  if (!outcome.scores) {
+    const std::string line =
+        fmt::format("{} after {:.2f} s; {}; see {}", interrupted ? "interrupted" : "the walk " + outcome.status,
+                    outcome.end_time_s, outcome.no_scores_reason, (outcome.folder / "report.html").string());
+    if (!interrupted) throw TooLittleData(line);
+    fmt::print(stderr, "gaitcam: {}\n", line);
+  }
   if (common.json) {
     fmt::print("{}", ReadText(outcome.folder / "scores.json"));
   } else if (!common.quiet) {
     PrintOutcome(outcome);
   }
-  return outcome.status == "interrupted" ? 130 : 0;
+  return interrupted ? 130 : 0;
 }
 
 }  // namespace gaitcam

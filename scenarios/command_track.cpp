@@ -52,6 +52,11 @@ int TrackCommand(const TrackArguments& arguments, const CommonOptions& common) {
   const std::filesystem::path out =
       arguments.out.empty() ? std::filesystem::path("estimate-" + arguments.system + ".txt") : arguments.out;
   WriteTrajectory(out, estimate.ToTrajectory(), TrajectoryFormat::kTum);
+  if (guard.Interrupted()) {
+    fmt::print(stderr, "gaitcam: interrupted after {} of {} frames; their estimate: {}\n", frames, reader.frames(),
+               out.string());
+    return 130;
+  }
   const std::optional<Scores> scores = ScoreAgainstTruthBeside(estimate, sensors);
   if (common.json) {
     fmt::print("{}", scores ? ScoresToJson(*scores) : "{}\n");
@@ -59,7 +64,7 @@ int TrackCommand(const TrackArguments& arguments, const CommonOptions& common) {
     if (scores) fmt::print("{}\n", ScoresToTable(*scores));
     fmt::print("estimate: {} ({} of {} frames have a pose)\n", out.string(), estimate.ToTrajectory().size(), frames);
   }
-  return guard.Interrupted() ? 130 : 0;
+  return 0;
 }
 
 }  // namespace gaitcam

@@ -163,11 +163,7 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   folder.WriteText("scores.json", ScoresFile(report, report.scores, simulation, scenario.seed));
   WriteReport(folder.path() / "report.html", report);
   folder.Commit();
-  if (!scores) {
-    throw TooLittleData(fmt::format("the walk {} after {:.2f} s; {}; see {}", StatusText(report.end), report.end_time_s,
-                                    report.no_scores_reason, (options.out / "report.html").string()));
-  }
-  return {options.out, StatusText(report.end), report.end_time_s, *scores};
+  return {options.out, StatusText(report.end), report.end_time_s, scores, report.no_scores_reason};
 }
 
 }  // namespace gaitcam

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "results/report.h"
@@ -23,13 +24,14 @@ struct RunOutcome {
   std::filesystem::path folder;
   std::string status;  ///< "finished", "fell" or "interrupted".
   double end_time_s = 0;
-  Scores scores;
+  std::optional<Scores> scores;  ///< None when too little was covered to score.
+  std::string no_scores_reason;
 };
 
 /// Runs a scenario into a folder: estimate.txt, truth.txt (TUM format), frames.csv, scores.json, scenario.yaml
 /// (resolved), walk.mp4 and report.html. What was filmed until a fall or an interrupt is kept and scored.
-/// @throws BadInput, MissingResource; TooLittleData when too little was covered to score (the folder is written all the
-/// same, its scores.json saying why).
+/// Where too little was covered to score, the folder is written all the same, its scores.json saying why.
+/// @throws BadInput, MissingResource.
 RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& options);
 
 /// What the simulator needs to know of a scenario.

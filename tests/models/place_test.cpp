@@ -10,10 +10,12 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "tests/data_folder.h"
+
 namespace gaitcam {
 namespace {
 
-const std::filesystem::path kModels = std::filesystem::path(GAITCAM_SOURCE_DIR) / "models";
+const std::filesystem::path kModels = TestData() / "models";
 
 std::filesystem::path WritePlace(const std::string& text) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "place_test.yaml";

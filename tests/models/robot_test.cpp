@@ -8,13 +8,14 @@
 #include <numbers>
 
 #include "algorithms/core/errors.h"
+#include "tests/data_folder.h"
 
 namespace gaitcam {
 namespace {
 
 using testing::HasSubstr;
 
-const std::filesystem::path kModels = std::filesystem::path(GAITCAM_SOURCE_DIR) / "models";
+const std::filesystem::path kModels = TestData() / "models";
 
 std::string ReadText(const std::filesystem::path& file) {
   std::ifstream stream(file);

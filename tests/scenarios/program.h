@@ -11,6 +11,8 @@
 #include <sstream>
 #include <string>
 
+#include "tests/data_folder.h"
+
 namespace gaitcam {
 
 inline std::string ReadAll(const std::filesystem::path& file) {
@@ -19,23 +21,32 @@ inline std::string ReadAll(const std::filesystem::path& file) {
   return text.str();
 }
 
+/// The program under test: the installed one where the launcher names it, else the one that was built beside the tests.
+inline std::string Program() {
+  const char* named = std::getenv("GAITCAM_PROGRAM");
+  return named != nullptr ? named : GAITCAM_PROGRAM;
+}
+
 struct ProgramResult {
   int exit_code = -1;
   std::string out, err;
 };
 
-/// @param arguments words as a shell splits them; `folder` is the working folder and receives the two streams.
-inline ProgramResult RunProgram(const std::string& arguments, const std::filesystem::path& folder) {
-  const std::string command = "cd " + folder.string() + " && GAITCAM_DATA=" GAITCAM_SOURCE_DIR " " GAITCAM_PROGRAM " " +
-                              arguments + " >.out 2>.err";
+/// @param command line of a shell; `folder` is the working folder and receives the two streams.
+inline ProgramResult RunShell(const std::string& command, const std::filesystem::path& folder) {
   ProgramResult result;
-  const int status = std::system(command.c_str());
+  const int status = std::system(("cd " + folder.string() + " && { " + command + "; } >.out 2>.err").c_str());
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   result.out = ReadAll(folder / ".out");
   result.err = ReadAll(folder / ".err");
   std::filesystem::remove(folder / ".out");
   std::filesystem::remove(folder / ".err");
   return result;
+}
+
+/// @param arguments words as a shell splits them; `folder` is the working folder and receives the two streams.
+inline ProgramResult RunProgram(const std::string& arguments, const std::filesystem::path& folder) {
+  return RunShell("GAITCAM_DATA=" + TestData().string() + " " + Program() + " " + arguments, folder);
 }
 
 }  // namespace gaitcam

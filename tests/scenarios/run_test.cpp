@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/data_folder.h"
 #include "tests/scenarios/program.h"
 #include "tests/scenarios/temporary_folder.h"
 
@@ -137,7 +138,7 @@ TEST_F(RunTest, ListAndDoctorAnswer) {
 }
 
 TEST_F(RunTest, EveryShippedScenarioIsValid) {
-  for (const auto& entry : fs::directory_iterator(fs::path(GAITCAM_SOURCE_DIR) / "scenarios")) {
+  for (const auto& entry : fs::directory_iterator(TestData() / "scenarios")) {
     if (entry.path().extension() != ".yaml") continue;
     EXPECT_EQ(Run("validate " + entry.path().string()).exit_code, 0) << entry.path();
   }

@@ -10,6 +10,7 @@
 #include "sim/camera_rig.h"
 #include "sim/sensors.h"
 #include "sim/walker.h"
+#include "tests/data_folder.h"
 #include "tests/sim/film_scene.h"
 
 namespace gaitcam {
@@ -220,8 +221,8 @@ class BriskWalk {
  public:
   explicit BriskWalk(const CameraOptions& camera)
       : rig_(camera, 1),
-        place_(ReadPlace("lab", GAITCAM_SOURCE_DIR "/models")),
-        robot_(ReadRobot("khr1hv", GAITCAM_SOURCE_DIR "/models")),
+        place_(ReadPlace("lab", TestData() / "models")),
+        robot_(ReadRobot("khr1hv", TestData() / "models")),
         world_(robot_, place_, PhysicsOptions(), rig_.WorldCameras(), 1),
         sensors_(world_, SensorOptions(), 1) {
     const GaitOptions gait = robot_.gaits.at("brisk");

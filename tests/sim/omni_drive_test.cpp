@@ -6,11 +6,12 @@
 
 #include "algorithms/core/errors.h"
 #include "sim/world.h"
+#include "tests/data_folder.h"
 
 namespace gaitcam {
 namespace {
 
-Robot Base() { return ReadRobot("omni_base", std::filesystem::path(GAITCAM_SOURCE_DIR) / "models"); }
+Robot Base() { return ReadRobot("omni_base", TestData() / "models"); }
 
 TEST(SmoothProfile, GoesFromRestToRestWithinItsLimits) {
   for (double distance : {0.001, 0.05, 0.3, 2.0}) {

@@ -15,11 +15,12 @@
 #include "sim/egl_context.h"
 #include "sim/renderer.h"
 #include "sim/world.h"
+#include "tests/data_folder.h"
 
 namespace gaitcam {
 namespace {
 
-const std::filesystem::path kModels = std::filesystem::path(GAITCAM_SOURCE_DIR) / "models";
+const std::filesystem::path kModels = TestData() / "models";
 
 /// Looks level along `yaw` (0: along +x), then down by `pitch`, rad.
 Pose Look(const Eigen::Vector3d& position, double yaw, double pitch) {

@@ -5,11 +5,12 @@
 #include <cmath>
 
 #include "algorithms/core/errors.h"
+#include "tests/data_folder.h"
 
 namespace gaitcam {
 namespace {
 
-Robot TestRobot() { return ReadRobot("khr1hv", std::filesystem::path(GAITCAM_SOURCE_DIR) / "models"); }
+Robot TestRobot() { return ReadRobot("khr1hv", TestData() / "models"); }
 
 SensorOptions Perfect(double rate_hz) {
   SensorOptions options;

@@ -6,6 +6,7 @@
 
 #include "sim/sensors.h"
 #include "sim/walker.h"
+#include "tests/data_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -73,9 +74,7 @@ class Log {
 
 }  // namespace
 
-Robot ReadShippedRobot(const std::string& name) {
-  return ReadRobot(name, std::filesystem::path(GAITCAM_SOURCE_DIR) / "models");
-}
+Robot ReadShippedRobot(const std::string& name) { return ReadRobot(name, TestData() / "models"); }
 
 WalkTrialResult RunWalkTrial(const Robot& robot, const GaitOptions& gait, const WalkTrialOptions& options) {
   const double begin = Now();

@@ -10,11 +10,12 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
+#include "tests/data_folder.h"
 
 namespace gaitcam {
 namespace {
 
-const std::filesystem::path kModels = std::filesystem::path(GAITCAM_SOURCE_DIR) / "models";
+const std::filesystem::path kModels = TestData() / "models";
 
 Robot Shipped(const std::string& name = "khr1hv") { return ReadRobot(name, kModels); }
 
