@@ -1,0 +1,121 @@
+// The script that people type: what it says on a machine that lacks something, and that a second call builds nothing.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/scenarios/program.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const fs::path kLauncher = fs::path(GAITCAM_SOURCE_DIR) / "gaitcam";
+
+int Lines(const std::string& text) { return int(std::count(text.begin(), text.end(), '\n')); }
+
+class LauncherTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!fs::exists(kLauncher)) GTEST_SKIP() << "the sources are not here: these are installed tests";
+  }
+  fs::path File(const std::string& name) const { return temporary_.path() / name; }
+  ProgramResult Shell(const std::string& command) const { return RunShell(command, temporary_.path()); }
+
+  /// A small project that the launcher takes for its own: the real launcher, CMake and ninja, but seconds to build.
+  void MakeProject(const std::string& program) const {
+    fs::create_directories(File("project/source"));
+    fs::copy_file(kLauncher, File("project/gaitcam"));
+    fs::copy_file(fs::path(GAITCAM_SOURCE_DIR) / "CMakePresets.json", File("project/CMakePresets.json"));
+    std::ofstream(File("project/CMakeLists.txt")) << R"(
+cmake_minimum_required(VERSION 3.25)
+project(small LANGUAGES CXX)
+file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/source/*.cpp)
+add_executable(gaitcam_program ${sources})
+set_target_properties(gaitcam_program PROPERTIES OUTPUT_NAME gaitcam RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+)";
+    std::ofstream(File("project/source/main.cpp")) << program;
+  }
+
+  const TemporaryFolder temporary_;
+};
+
+TEST_F(LauncherTest, AMachineWithoutAptIsToldInOneLine) {
+  fs::create_directories(File("bin"));
+  for (const char* tool : {"bash", "readlink", "dirname", "id", "grep"}) {
+    fs::create_symlink(fs::path("/usr/bin") / tool, File("bin") / tool);
+  }
+  for (const char* words : {"run walk.yaml", "test", "benchmark"}) {
+    const ProgramResult result = Shell("env -i PATH=" + File("bin").string() + " " + kLauncher.string() + " " + words);
+    EXPECT_EQ(result.exit_code, 4) << result.err;
+    EXPECT_EQ(Lines(result.err), 1) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("this machine has no apt"));
+    EXPECT_EQ(result.out, "");
+  }
+}
+
+TEST_F(LauncherTest, ASecondCallBuildsNothingAndSaysNothing) {
+  MakeProject("#include <cstdio>\nint main(int n, char** words) { std::puts(n > 1 ? words[1] : \"\"); return 7; }\n");
+  const ProgramResult first = Shell("project/gaitcam list");
+  EXPECT_EQ(first.exit_code, 7) << first.err;
+  EXPECT_EQ(first.out, "list\n");
+  EXPECT_THAT(first.err, HasSubstr("configuring (release)"));
+  EXPECT_THAT(first.err, HasSubstr("building (release"));
+  const ProgramResult second = Shell("project/gaitcam list");
+  EXPECT_EQ(second.exit_code, 7);
+  EXPECT_EQ(second.out, "list\n");
+  EXPECT_EQ(second.err, "");
+  const ProgramResult on_terminal = Shell("script -qec 'project/gaitcam list' /dev/null </dev/null");
+  EXPECT_EQ(on_terminal.exit_code, 7);
+  EXPECT_EQ(on_terminal.out, "list\r\n");
+  std::ofstream(File("project/source/more.cpp")) << "int more() { return 1; }\n";  // a new file is noticed
+  EXPECT_THAT(Shell("project/gaitcam list").err, HasSubstr("building (release"));
+  EXPECT_EQ(Shell("project/gaitcam list").err, "");
+}
+
+TEST_F(LauncherTest, ABuildThatFailsIsExitCodeFourWithTheCompilersWords) {
+  MakeProject("int main() { return missing_name; }\n");
+  const ProgramResult result = Shell("project/gaitcam list");
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_THAT(result.err, HasSubstr("missing_name"));
+  EXPECT_THAT(result.err, HasSubstr("the build failed; the whole log: "));
+}
+
+TEST_F(LauncherTest, AnInstalledOneFindsProgramAndDataFromAnywhere) {
+  for (const char* folder : {"prefix/bin", "prefix/libexec/gaitcam", "prefix/share", "elsewhere"}) {
+    fs::create_directories(File(folder));
+  }
+  fs::copy_file(kLauncher, File("prefix/bin/gaitcam"));
+  fs::create_symlink(Program(), File("prefix/libexec/gaitcam/gaitcam"));
+  fs::create_symlink(TestData(), File("prefix/share/gaitcam"));
+  const ProgramResult list = Shell("cd elsewhere && ../prefix/bin/gaitcam list");
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  EXPECT_THAT(list.out, HasSubstr("khr1hv"));
+  const ProgramResult test = Shell("cd elsewhere && ../prefix/bin/gaitcam test");
+  EXPECT_EQ(test.exit_code, 4);
+  EXPECT_THAT(test.err, HasSubstr("has no tests"));
+}
+
+TEST(MachineWithoutEgl, IsToldInOneLineAndNothingIsWritten) {
+  const TemporaryFolder temporary;
+  const fs::path vendors = temporary.path() / "no-vendors";
+  fs::create_directories(vendors);
+  std::ofstream(temporary.path() / "walk.yaml") << "duration_s: 1\n";
+  const std::string call =
+      "GAITCAM_DATA=" + TestData().string() + " __EGL_VENDOR_LIBRARY_DIRS=" + vendors.string() + " " + Program() + " ";
+  for (const std::string verb : {"run", "record"}) {
+    const ProgramResult result = RunShell(call + verb + " walk.yaml --out results/here", temporary.path());
+    EXPECT_EQ(result.exit_code, 4) << result.err;
+    EXPECT_EQ(Lines(result.err), 1) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("no EGL device"));
+    EXPECT_FALSE(fs::exists(temporary.path() / "results"));
+  }
+  const ProgramResult doctor = RunShell(call + "doctor", temporary.path());
+  EXPECT_EQ(doctor.exit_code, 4);
+  EXPECT_THAT(doctor.out, HasSubstr("EGL            MISSING"));
+}
+
+}  // namespace
+}  // namespace gaitcam
