@@ -54,6 +54,7 @@ class MobifVoPlus::Tracker {
   RansacOptions Ransacking(double noise) const { return {3.0 * noise / camera_.fx, 0.999, 100, 5}; }
 
   bool Start(FrameView& view);
+  void PlaceWaiting();
   bool StartMap(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
   void AddKeyframe(FrameView& view);
   LandmarkMap::Guess Guess() const {
@@ -77,6 +78,11 @@ class MobifVoPlus::Tracker {
   LandmarkMap map_;
   FloorGuess floor_;
   std::optional<FrameView> reference_;  ///< The first of the two frames that will start a map.
+  struct Waiting {
+    size_t record = 0;
+    FrameView view;
+  };
+  std::vector<Waiting> waiting_;        ///< Frames since then, for the map to place once there is one.
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int keyframe_ = -1;                   ///< The latest of the present map; -1: there is no map yet.
   int keyframe_inliers_ = 0;            ///< Most landmarks that a frame since the last keyframe saw.
@@ -116,6 +122,7 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
       floor_.Clear();
       keyframe_ = -1;
       reference_.reset();
+      waiting_.clear();
     }
   }
   Record(answer, view);
@@ -146,6 +153,7 @@ bool MobifVoPlus::Tracker::Start(FrameView& view) {
     }
     view.X_WC = X_WC_last_.value_or(Pose());
     reference_ = view;
+    waiting_.clear();
     return true;
   };
   if (!reference_) return begin_here();
@@ -169,6 +177,8 @@ bool MobifVoPlus::Tracker::Start(FrameView& view) {
   }
   const Pose guess(reference_->X_WC.rotation * two_view.X_AB.rotation, reference_->X_WC.translation);
   view.X_WC = RefinePose(sightings, two_view.inliers, guess, 2);
+  constexpr size_t kMostWaiting = 60;  // frames: their features take memory
+  if (waiting_.size() < kMostWaiting) waiting_.push_back({records_.size(), view});
   return true;
 }
 
@@ -199,7 +209,19 @@ bool MobifVoPlus::Tracker::StartMap(FrameView& view, const std::vector<Match>& m
   view.X_WC = reference_->X_WC * Pose(two_view.X_AB.rotation, unit * t);
   inliers_ = pairs;
   AddKeyframe(view);
+  PlaceWaiting();
+  inliers_ = pairs;
   return true;
+}
+
+/// Frames that were taken to turn on the spot are placed in the map that came of them, for the final word.
+void MobifVoPlus::Tracker::PlaceWaiting() {
+  for (Waiting& frame : waiting_) {
+    if (!LocateWithNoise(frame.view, reference_->X_WC, 1)) continue;
+    records_[frame.record].keyframe = keyframe_;
+    records_[frame.record].X_KC = map_.keyframes()[size_t(keyframe_)].Inverse() * frame.view.X_WC;
+  }
+  waiting_.clear();
 }
 
 void MobifVoPlus::Tracker::AddKeyframe(FrameView& view) {

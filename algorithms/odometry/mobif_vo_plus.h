@@ -92,7 +92,7 @@ class MobifVoPlus {
   FrameEstimate Track(const Observation& observation);
 
   /// The final word on every frame: where later keyframes have refined earlier ones, the frames about them move along.
-  /// Frames before the first map stay where they were: turned, but not moved.
+  /// Frames before the first map are placed by it.
   std::vector<FrameEstimate> Finish();
 
  private:

@@ -37,9 +37,8 @@ TEST(MobifVoPlus, FollowsASidewaysMotionFromTheFirstFrameOn) {
   Estimate final_word;
   final_word.frames = vo.Finish();
   ASSERT_EQ(final_word.frames.size(), live.frames.size());
-  // Without the frames before the map, which are placed as if the camera only turned.
-  final_word.frames.erase(final_word.frames.begin(), final_word.frames.begin() + 20);
-  EXPECT_LT(AlignedError(final_word, LongFilm().truth).rmse_m, 0.005);  // on 0.33 m of path
+  EXPECT_LT(AlignedError(final_word, LongFilm().truth).rmse_m,
+            0.01);  // 2 % of 0.5 m, the frames before the map included
 }
 
 TEST(MobifVoPlus, ATurnOnTheSpotIsFollowedWithoutAMap) {
