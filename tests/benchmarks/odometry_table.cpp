@@ -272,8 +272,9 @@ std::string Table(const std::vector<Recording>& recordings, const std::vector<Gr
       "under one Sim(3) alignment of the whole run: after a restart nothing is forgiven. Rotation gain is the turning\n"
       "about the vertical, estimated over true; what a restart did counts as no turn. \"-\": a run that covers less\n"
       "than 10 % of the frames is not scored; how many runs were, says the column \"scored\". Errors say nothing of\n"
-      "frames without a pose: read them together with the coverage. Wall time per frame with {} runs at once, so it\n"
-      "is a rough figure.\n\n"
+      "frames without a pose: read them together with the coverage. Wall time per frame is rough, for it counts "
+      "whatever\n"
+      "else the machine was doing; {} runs at once are the program's own part of that.\n\n"
       "| scenario | exposure | blur, px | path, m | system | scored | coverage, % | ATE, % of path | end error, % of "
       "path | rotation gain | restarts | ms per frame |\n|---|---:|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|\n",
       arguments.command, arguments.jobs);
