@@ -361,8 +361,6 @@ void MobifVoPlus::Tracker::Record(const FrameEstimate& answer, const FrameView& 
 
 /// Frames after a keyframe move with it.
 std::vector<FrameEstimate> MobifVoPlus::Tracker::Finish() {
-  fprintf(stderr, "DEBUG keyframes %zu frames %zu landmarks %zu\n", floor_.height().value_or(-1),
-          map_.keyframes().size(), records_.size(), map_.landmarks().size());
   std::vector<FrameEstimate> frames;
   for (const FrameRecord& record : records_) {
     FrameEstimate frame = record.answer;
