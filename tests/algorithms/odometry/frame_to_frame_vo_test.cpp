@@ -33,6 +33,8 @@ struct Composition {
   FrameToFrameVoOptions options;
 };
 
+void PrintTo(const Composition& composition, std::ostream* out) { *out << composition.name; }
+
 std::vector<Composition> Compositions() {
   std::vector<Composition> all;
   for (const auto& [feature, sensitivity] :

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <functional>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -101,6 +102,8 @@ struct Mishap {
   std::function<Observation(const Observation&)> befalls;
 };
 
+inline void PrintTo(const Mishap& mishap, std::ostream* out) { *out << mishap.name; }
+
 inline std::vector<Mishap> Mishaps() {
   return {Mishap{"Black", [](const Observation& o) { return Filled(o, 0); }},
           Mishap{"Saturated", [](const Observation& o) { return Filled(o, 255); }},
@@ -113,12 +116,12 @@ inline std::vector<Mishap> Mishaps() {
           Mishap{"Dark",
                  [](const Observation& o) {
                    Observation dark = o;
-                   dark.image.pixels = o.image.pixels * 0.25;
+                   dark.image.pixels = cv::Mat(o.image.pixels * 0.25);
                    return dark;
                  }},
           Mishap{"Overexposed", [](const Observation& o) {
                    Observation bright = o;
-                   bright.image.pixels = o.image.pixels * 3;
+                   bright.image.pixels = cv::Mat(o.image.pixels * 2);  // a new picture: the film is shared
                    return bright;
                  }}};
 }
