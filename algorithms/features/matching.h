@@ -18,9 +18,9 @@ struct MatchingOptions {
   bool mutual = true;             ///< Keep only pairs that are each other's nearest. Not for `threshold`.
   std::string strategy = "nndr";  ///< threshold: all pairs near enough, a row may have many; nn: nearest; nndr:
                                   ///< nearest, and much nearer than the second.
-  double max_distance = 0;       ///< Largest distance of a match; 0: any (not for `threshold`). Euclidean, or bits.
-  std::string search = "exact";  ///< exact, or bbf: best bin first.
-  int max_candidates = 200;      ///< bbf: descriptors compared per query (Beis and Lowe's E_max); 0: until exact.
+  double max_distance = 0;        ///< Largest distance of a match; 0: any (not for `threshold`). Euclidean, or bits.
+  std::string search = "exact";   ///< exact, or bbf: best bin first.
+  int max_candidates = 200;       ///< bbf: descriptors compared per query (Beis and Lowe's E_max); 0: until exact.
 };
 
 template <class Visitor>
