@@ -110,7 +110,7 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
     if (had_map && WantsKeyframe(view)) {
       ScaleNoise(view);
       AddKeyframe(view);
-    } else {
+    } else if (had_map) {  // the frames of a start were described when they became keyframes
       map_.Refresh(view, inliers_);
     }
     answer.pose = view.X_WC;
