@@ -18,6 +18,13 @@ void AddScenario(CLI::App& verb, ScenarioArguments& arguments) {
   verb.add_option("--system", arguments.system, "SLAM system (default: the scenario's)");
 }
 
+void AddCache(CLI::App& verb, CacheArguments& arguments) {
+  verb.add_option("--cache", arguments.folder, "folder of recorded walks (default: ~/.cache/gaitcam/sequences)");
+  verb.add_option("--cache-gb", arguments.max_gb, "its largest size; what was used longest ago goes first")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
 /// Everything that the words of one call are read into.
 struct Arguments {
   CommonOptions common;
@@ -27,6 +34,7 @@ struct Arguments {
   ScoreArguments score;
   FeaturesArguments features;
   ScenarioArguments validate;
+  WorkArguments work;
 };
 
 void AddRun(CLI::App& app, Arguments& a) {
@@ -96,6 +104,14 @@ void AddFeatures(CLI::App& app, Arguments& a) {
       "  gaitcam features oxford/graf oxford/boat --detector sift --detector mobif");
 }
 
+/// Hidden: what `check` and `study` start.
+void AddWork(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("work", "one run of a check or study")->group("");
+  verb->add_option("runs", a.work.runs, "folder of the runs")->required();
+  verb->add_option("hash", a.work.hash, "of the run's scenario")->required();
+  AddCache(*verb, a.work.cache);
+}
+
 /// The verb that was chosen, carried out.
 int Dispatch(const CLI::App& app, Arguments& a) {
   if (app.got_subcommand("run")) return RunCommand(a.run, a.common);
@@ -104,6 +120,7 @@ int Dispatch(const CLI::App& app, Arguments& a) {
   if (app.got_subcommand("score")) return ScoreCommand(a.score, a.common);
   if (app.got_subcommand("features")) return FeaturesCommand(a.features, a.common);
   if (app.got_subcommand("validate")) return ValidateCommand(a.validate, a.common);
+  if (app.got_subcommand("work")) return WorkCommand(a.work, a.common);
   if (app.got_subcommand("list")) return ListCommand(a.common);
   return DoctorCommand(a.common);
 }
@@ -130,6 +147,7 @@ int CommandLine(int argc, char** argv) {
   AddTrack(app, a);
   AddScore(app, a);
   AddFeatures(app, a);
+  AddWork(app, a);
   CLI::App* validate = app.add_subcommand("validate", "read a scenario as run would, and say what is wrong");
   AddScenario(*validate, a.validate);
   validate->footer("Example:\n  gaitcam validate scenarios/quickstart.yaml --set gait.step_length_m=0.2");

@@ -12,15 +12,14 @@ int RecordCommand(const RecordArguments& arguments, const CommonOptions& common)
   const ResolvedScenario resolved = ReadScenario(arguments.scenario.file, arguments.scenario.Assignments());
   const Scenario& scenario = resolved.scenario;
   const InterruptGuard guard;
-  RunOptions options;
-  options.out = arguments.out;
-  if (options.out.empty()) options.out = fmt::format("datasets/{}-seed{}", scenario.name, scenario.seed);
+  RecordOptions options;
   options.quiet = common.quiet;
   options.interrupted = [&guard] { return guard.Interrupted(); };
-  DatasetWriterOptions format;
-  format.format = DatasetFormatFromText(arguments.format);
-  format.truth_inside = arguments.truth_inside;
-  const RecordOutcome outcome = RecordScenario(resolved, format, options);
+  options.format.format = DatasetFormatFromText(arguments.format);
+  options.format.truth_inside = arguments.truth_inside;
+  std::filesystem::path out = arguments.out;
+  if (out.empty()) out = fmt::format("datasets/{}-seed{}", scenario.name, scenario.seed);
+  const RecordOutcome outcome = RecordScenario(resolved, DatasetFolders::In(out, scenario.name), options);
   if (common.json) {
     fmt::print("{}\n", nlohmann::ordered_json{{"sensors", outcome.folders.sensors.string()},
                                               {"truth", outcome.folders.truth.string()},

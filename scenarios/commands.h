@@ -26,6 +26,12 @@ struct ScenarioArguments {
   std::vector<std::string> Assignments() const;
 };
 
+/// Where recorded walks are kept for other systems to see.
+struct CacheArguments {
+  std::filesystem::path folder;  ///< Empty: ~/.cache/gaitcam/sequences.
+  double max_gb = 20;
+};
+
 struct RunArguments {
   ScenarioArguments scenario;
   std::filesystem::path out;  ///< Empty: runs/NAME-SYSTEM-seedN.
@@ -64,6 +70,14 @@ struct FeaturesArguments {
   std::filesystem::path out;  ///< Empty: features.
 };
 int FeaturesCommand(const FeaturesArguments& arguments, const CommonOptions& common);
+
+/// What `check` and `study` start for every run; not meant to be typed.
+struct WorkArguments {
+  std::filesystem::path runs;
+  std::string hash;
+  CacheArguments cache;
+};
+int WorkCommand(const WorkArguments& arguments, const CommonOptions& common);
 
 int ValidateCommand(const ScenarioArguments& scenario, const CommonOptions& common);
 int ListCommand(const CommonOptions& common);

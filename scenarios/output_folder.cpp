@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <vector>
 
 #include "algorithms/core/errors.h"
 
@@ -10,8 +11,10 @@ namespace gaitcam {
 namespace fs = std::filesystem;
 namespace {
 
+std::string TemporaryPrefix(const fs::path& wanted) { return "." + wanted.filename().string() + ".part-"; }
+
 fs::path TemporaryNameFor(const fs::path& wanted) {
-  return wanted.parent_path() / ("." + wanted.filename().string() + ".part-" + std::to_string(getpid()));
+  return wanted.parent_path() / (TemporaryPrefix(wanted) + std::to_string(getpid()));
 }
 
 fs::path Clean(const fs::path& path) {
@@ -57,6 +60,15 @@ void OutputFolder::Commit() {
   if (error) throw MissingResource("cannot move the results to " + wanted_.string() + ": " + error.message());
   committed_ = true;
   fs::remove_all(aside, error);
+}
+
+void RemoveUnfinished(const fs::path& wanted) {
+  std::error_code error;
+  std::vector<fs::path> unfinished;
+  for (const auto& item : fs::directory_iterator(wanted.parent_path(), error)) {
+    if (item.path().filename().string().starts_with(TemporaryPrefix(wanted))) unfinished.push_back(item.path());
+  }
+  for (const fs::path& path : unfinished) fs::remove_all(path, error);
 }
 
 void WriteTextFile(const fs::path& file, const std::string& text) {

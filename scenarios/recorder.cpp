@@ -31,21 +31,31 @@ FrameTruthRecord RecordOf(const FrameTruth& truth) {
 
 }  // namespace
 
-RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetWriterOptions& format,
-                             const RunOptions& options) {
+RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFolders& folders,
+                             const RecordOptions& options) {
   const Scenario& scenario = resolved.scenario;
-  const DatasetFolders folders = DatasetFolders::In(options.out, scenario.name);
   Simulation simulation(resolved.robot, resolved.place, SimulationOptionsOf(scenario), scenario.seed);
-  DatasetWriter writer(folders, simulation.calibration(), format);
+  DatasetWriter writer(folders, simulation.calibration(), options.format);
   Progress progress("recording " + scenario.name, simulation.ExpectedFrames(), options.quiet);
+  const TruthOptions wanted{options.truth_images, options.truth_images,
+                            true};  // the blur's numbers come from its vectors
   while (!options.interrupted()) {
-    const std::optional<SimulatedFrame> frame = simulation.Next();
+    const std::optional<SimulatedFrame> frame = simulation.Next(wanted);
     if (!frame) break;
-    writer.Add(frame->observation, RecordOf(frame->truth));
+    FrameTruthRecord truth = RecordOf(frame->truth);
+    if (!options.truth_images) truth.sharp = truth.depth = truth.blur = cv::Mat();
+    writer.Add(frame->observation, truth);
     progress.Update(writer.frames());
   }
   progress.Finish();
-  RecordOutcome outcome{folders, StatusText(EndOf(simulation)), simulation.end_time_s(), writer.frames()};
+  RecordOutcome outcome;
+  outcome.folders = folders;
+  outcome.status = StatusText(EndOf(simulation));
+  outcome.end_time_s = simulation.end_time_s();
+  outcome.distance_m = simulation.distance_m();
+  outcome.frames = writer.frames();
+  outcome.renderer = simulation.gl().renderer();
+  outcome.software_renderer = simulation.gl().is_software();
   writer.Finish(fmt::format("{} at {:.3f} s", outcome.status, outcome.end_time_s));
   WriteTextFile(folders.truth / "scenario.yaml", resolved.ToYaml());
   return outcome;

@@ -7,16 +7,25 @@
 
 namespace gaitcam {
 
+struct RecordOptions {
+  DatasetWriterOptions format;
+  bool truth_images = true;  ///< Sharp twins, depth and blur vectors; else the numbers alone.
+  bool quiet = false;
+  std::function<bool()> interrupted = [] { return false; };
+};
+
 struct RecordOutcome {
   DatasetFolders folders;
   std::string status;  ///< As of a run.
-  double end_time_s = 0;
+  double end_time_s = 0, distance_m = 0;
   int64_t frames = 0;
+  std::string renderer;  ///< As EGL names it.
+  bool software_renderer = false;
 };
 
-/// Writes OUT/NAME (what a SLAM system may see) and OUT/NAME-truth beside it, NAME being the scenario's.
+/// Writes the two folders: what a SLAM system may see, and the truth beside it, the resolved scenario in it.
 /// @throws BadInput, MissingResource.
-RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetWriterOptions& format,
-                             const RunOptions& options);
+RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFolders& folders,
+                             const RecordOptions& options);
 
 }  // namespace gaitcam

@@ -11,6 +11,7 @@
 #include "scenarios/output_folder.h"
 #include "scenarios/progress.h"
 #include "scenarios/run_log.h"
+#include "scenarios/tracked_system.h"
 #include "scenarios/tracking_thread.h"
 #include "scenarios/versions.h"
 
@@ -58,7 +59,9 @@ std::string Subtitle(const ResolvedScenario& resolved) {
 }
 
 /// scores.json says how the run ended beside what the scores are: a fall is never silent.
-std::string ScoresFile(const ReportInput& report, const Scores* scores, const Simulation& simulation, uint64_t seed) {
+std::string ScoresFile(const ReportInput& report, const Estimate& estimate, const Simulation& simulation,
+                       uint64_t seed) {
+  const Scores* scores = report.scores;
   nlohmann::ordered_json json =
       scores ? nlohmann::ordered_json::parse(ScoresToJson(*scores)) : nlohmann::ordered_json();
   nlohmann::ordered_json run;
@@ -69,6 +72,7 @@ std::string ScoresFile(const ReportInput& report, const Scores* scores, const Si
   run["seed"] = seed;
   run["renderer"] = report.renderer;
   run["software_renderer"] = report.software_renderer;
+  if (!estimate.failure.empty()) run["system_failed"] = estimate.failure;
   if (!scores) run["not_scored"] = report.no_scores_reason;
   json["run"] = run;
   return json.dump(2) + "\n";
@@ -118,8 +122,7 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   const Scenario& scenario = resolved.scenario;
   OutputFolder folder(options.out, "scores.json");
   Simulation simulation(resolved.robot, resolved.place, SimulationOptionsOf(scenario), scenario.seed);
-  TrackingThread tracker(
-      MakeSystem(scenario.system.name, {simulation.calibration(), scenario.seed, scenario.system.settings}));
+  TrackingThread tracker(MakeTrackedSystem(scenario, simulation.calibration(), folder.path()));
   Film film(scenario.video, folder.path() / "walk.mp4");
   RunLog log;
   Progress progress(scenario.name, simulation.ExpectedFrames(), options.quiet);
@@ -142,6 +145,7 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   } catch (const TooLittleData& e) {
     report.no_scores_reason = e.what();
   }
+  if (!estimate.failure.empty()) report.no_scores_reason = scenario.system.name + " failed: " + estimate.failure;
   report.title = scenario.name;
   report.subtitle = Subtitle(resolved);
   report.end = EndOf(simulation);
@@ -160,7 +164,7 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   WriteTrajectory(folder.path() / "truth.txt", log.truth(), TrajectoryFormat::kTum);
   folder.WriteText("frames.csv", log.ToCsv(estimate));
   folder.WriteText("scenario.yaml", report.resolved_scenario);
-  folder.WriteText("scores.json", ScoresFile(report, report.scores, simulation, scenario.seed));
+  folder.WriteText("scores.json", ScoresFile(report, estimate, simulation, scenario.seed));
   WriteReport(folder.path() / "report.html", report);
   folder.Commit();
   return {options.out, StatusText(report.end), report.end_time_s, scores, report.no_scores_reason};

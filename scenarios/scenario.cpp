@@ -1,5 +1,8 @@
 #include "scenarios/scenario.h"
 
+#include <set>
+
+#include "algorithms/io/checksum.h"
 #include "scenarios/folders.h"
 
 namespace gaitcam {
@@ -43,13 +46,27 @@ void ReadYaml(const YamlNode& node, SystemChoice& value) {
     return;
   }
   if (!node.node().IsMap()) node.Fail("expected the name of a system, or a map {name: ..., setting: ...}");
-  if (!node.Has("name")) node.Fail("expected the key `name` beside the settings");
+  value.external.reset();
+  if (node.Has("command")) {
+    ReadYaml(node, value.external.emplace());
+    const std::vector<std::string>& command = value.external->command;
+    if (command.empty() || command.front().empty()) node.Child("command").Fail("expected a program and its arguments");
+    if (value.external->name.empty()) value.external->name = fs::path(command.front()).stem().string();
+    value.name = value.external->name;
+    value.settings.clear();
+    return;
+  }
+  if (!node.Has("name")) node.Fail("expected the key `name` beside the settings, or `command`");
   ReadYaml(node.Child("name"), value.name);
   value.settings.clear();
   ReadYaml(node, value.settings, "");
 }
 
 void WriteYaml(YAML::Emitter& out, const SystemChoice& value) {
+  if (value.external) {
+    WriteYaml(out, *value.external);
+    return;
+  }
   if (value.settings.empty()) {
     WriteYaml(out, value.name);
     return;
@@ -70,6 +87,15 @@ std::string ResolvePath(const std::string& name_or_path, const fs::path& folder)
   if (!is_path || fs::path(name_or_path).is_absolute()) return name_or_path;
   const fs::path beside = folder / name_or_path;
   return fs::exists(beside) ? fs::absolute(beside).lexically_normal().string() : name_or_path;
+}
+
+/// What was read before, if there is a shelf.
+template <class Model>
+Model FromShelf(std::map<std::string, Model>* shelf, const std::string& name,
+                Model (*read)(const std::string&, const fs::path&)) {
+  if (shelf == nullptr) return read(name, ModelsFolder());
+  const auto there = shelf->find(name);
+  return there != shelf->end() ? there->second : shelf->emplace(name, read(name, ModelsFolder())).first->second;
 }
 
 std::string Presets(const Robot& robot) {
@@ -118,7 +144,7 @@ void MakeRoomForSystemSetting(YamlNode& root, const std::string& assignment) {
 
 }  // namespace
 
-ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::string>& assignments) {
+ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::string>& assignments, ModelShelf* shelf) {
   YamlNode root = YamlNode::LoadFile(file);
   for (const std::string& assignment : assignments) {
     MakeRoomForSystemSetting(root, assignment);
@@ -136,16 +162,21 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     (root.Has(key) ? root.Child(key) : root).Fail(e.what());
   };
   try {
-    resolved.robot = ReadRobot(scenario.robot, ModelsFolder());
+    resolved.robot = FromShelf(shelf ? &shelf->robots : nullptr, scenario.robot, ReadRobot);
   } catch (const BadInput& e) {
     fail_at("robot", e);
   }
   try {
-    resolved.place = ReadPlace(scenario.place, ModelsFolder());
+    resolved.place = FromShelf(shelf ? &shelf->places : nullptr, scenario.place, ReadPlace);
   } catch (const BadInput& e) {
     fail_at("place", e);
   }
   ResolveGait(root, resolved.robot, scenario.gait);
+  if (scenario.system.external) {
+    std::string& program = scenario.system.external->command.front();
+    if (program.find('/') != std::string::npos) program = ResolvePath(program, root.folder());
+    return resolved;
+  }
   try {
     MakeSystem(scenario.system.name,
                {CameraRig(scenario.camera, scenario.seed).MakeCalibration(), scenario.seed, scenario.system.settings});
@@ -160,5 +191,43 @@ std::string ResolvedScenario::ToYaml() const {
   WriteYaml(out, scenario);
   return std::string(out.c_str()) + "\n";
 }
+
+namespace {
+
+/// The scenario with nothing in it that is for people only or that says where files lie, and what those files hold.
+std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
+  Scenario scenario = resolved.scenario;
+  scenario.name = scenario.description = "";
+  scenario.robot = resolved.robot.name;
+  scenario.place = resolved.place.name;
+  scenario.video = {};
+  if (frames_only) {
+    scenario.system = {};
+    scenario.system_seed.reset();
+    scenario.handicap = {};
+    scenario.score = {};
+  } else if (scenario.system.external) {
+    std::string& program = scenario.system.external->command.front();
+    program = fs::path(program).filename().string();
+  }
+  YAML::Emitter out;
+  WriteYaml(out, scenario);
+  std::string text = out.c_str();
+  std::set<fs::path> meshes;
+  for (const RobotLink& link : resolved.robot.links) {
+    for (const RobotShape& shape : link.visuals) meshes.insert(shape.mesh);
+    for (const RobotShape& shape : link.collisions) meshes.insert(shape.mesh);
+  }
+  std::vector<fs::path> files{resolved.robot.yaml_file, resolved.robot.urdf_file, resolved.place.file};
+  files.insert(files.end(), meshes.begin(), meshes.end());
+  for (const fs::path& file : files) text += file.empty() ? "" : "\n" + Sha256OfFile(file);
+  return text;
+}
+
+}  // namespace
+
+std::string HashOf(const ResolvedScenario& resolved) { return Sha256(TextToHash(resolved, false)); }
+
+std::string FramesHashOf(const ResolvedScenario& resolved) { return Sha256(TextToHash(resolved, true)); }
 
 }  // namespace gaitcam

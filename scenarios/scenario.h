@@ -35,11 +35,51 @@ void VisitFields(Visitor& visit, GaitChoice& o) {
   VisitFields(visit, o.options);
 }
 
-/// `system:` a name, or a map of a name and settings: `{name: mobif_vo, feature: akaze, ratio: 0.8}`.
+/// Somebody else's SLAM: any executable that reads a dataset folder and writes a trajectory file.
+struct ExternalCommand {
+  using DescribedTag = void;
+  /// Program and arguments; `{dataset}`, `{output}`, `{calibration}` and `{seed}` are filled in. A program named with a
+  /// "/" is looked for beside the scenario file first.
+  std::vector<std::string> command;
+  std::string dataset = "tum";  ///< Layout of the folder it is given: tum | euroc.
+  std::string format = "tum";   ///< Of the trajectory that it writes: tum | kitti | euroc.
+  double time_limit_s = 600;    ///< Then it is killed, with all that it started.
+  std::string name;             ///< As scores and tables call it; the program's name unless given.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, ExternalCommand& o) {
+  visit("command", o.command, Nested(), "program and arguments; {dataset}, {output}, {calibration}, {seed}");
+  visit("dataset", o.dataset, OneOf({"tum", "euroc"}), "layout of the dataset that it reads");
+  visit("format", o.format, OneOf({"tum", "kitti", "euroc"}), "of the trajectory that it writes");
+  visit("time_limit_s", o.time_limit_s, Between(0.1, 1e6), "then it is killed");
+  visit("name", o.name, AnyText(), "as tables call it");
+}
+
+/// `system:` a name, or a map of a name and settings: `{name: mobif_vo, feature: akaze, ratio: 0.8}`, or an executable:
+/// `{command: [./my_slam, "{dataset}", "{output}"], format: tum}`.
 struct SystemChoice {
   std::string name = "sift_vo";
   SystemSettings settings;
+  std::optional<ExternalCommand> external;  ///< Then `name` is its name and there are no settings.
 };
+
+/// `handicap:` makes the system worse on purpose, to prove that a gate catches it. The defaults change nothing.
+struct HandicapOptions {
+  using DescribedTag = void;
+  double pose_noise = 0;      ///< Standard deviation added to every position, per axis, in the estimate's own unit.
+  double pose_noise_deg = 0;  ///< ... and to every orientation.
+  int drop_every = 0;         ///< Every n-th frame never reaches the system; 0: all do.
+  double focal_factor = 1;    ///< The system is told a focal length that is off by this factor.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, HandicapOptions& o) {
+  visit("pose_noise", o.pose_noise, Between(0, 100), "noise on every position per axis, in the estimate's own unit");
+  visit("pose_noise_deg", o.pose_noise_deg, Between(0, 180), "noise on every orientation, standard deviation");
+  visit("drop_every", o.drop_every, Between(0, 1000000), "every n-th frame never reaches the system; 0: all do");
+  visit("focal_factor", o.focal_factor, Between(0.1, 10), "error of the focal length that the system is told");
+}
 
 void ReadYaml(const YamlNode& node, SettingValue& value);
 void WriteYaml(YAML::Emitter& out, const SettingValue& value);
@@ -80,6 +120,8 @@ struct Scenario {
   CameraOptions camera;
   SensorOptions sensors;
   SystemChoice system;
+  std::optional<uint64_t> system_seed;  ///< Randomness of the SLAM system alone; absent: as `seed`.
+  HandicapOptions handicap;
   ScoreOptions score;
   ReportFilmOptions video;
 };
@@ -100,6 +142,8 @@ void VisitFields(Visitor& visit, Scenario& o) {
   visit("camera", o.camera, Nested(), "the head camera");
   visit("sensors", o.sensors, Nested(), "IMU, encoders");
   visit("system", o.system, Nested(), "SLAM system: a name, or {name: ..., setting: ...}");
+  visit("system_seed", o.system_seed, Nested(), "randomness of the SLAM system alone; absent: as seed");
+  visit("handicap", o.handicap, Nested(), "makes the system worse on purpose, to prove a gate");
   visit("score", o.score, Nested(), "association and alignment");
   visit("video", o.video, Nested(), "the film of the report");
 }
@@ -115,8 +159,22 @@ struct ResolvedScenario {
   std::string ToYaml() const;
 };
 
+/// SHA-256 of everything that decides a run's numbers: the resolved scenario with what its robot and place files hold,
+/// but neither names for people, nor the film, nor where files lie.
+std::string HashOf(const ResolvedScenario& resolved);
+/// ... that decides the frames: not the system, nor how it is scored.
+std::string FramesHashOf(const ResolvedScenario& resolved);
+
+/// Robots and places that were read already: making a place's textures takes a while.
+struct ModelShelf {
+  std::map<std::string, Robot> robots;
+  std::map<std::string, Place> places;
+};
+
 /// Reads a scenario file, applies `--set` assignments in order, and resolves robot, place and gait.
+/// @param shelf for those who read many scenarios of the same models.
 /// @throws BadInput or BadOption with one line: file, line, column, key, value and what would be right.
-ResolvedScenario ReadScenario(const std::filesystem::path& file, const std::vector<std::string>& assignments);
+ResolvedScenario ReadScenario(const std::filesystem::path& file, const std::vector<std::string>& assignments,
+                              ModelShelf* shelf = nullptr);
 
 }  // namespace gaitcam

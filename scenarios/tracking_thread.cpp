@@ -28,6 +28,7 @@ void TrackingThread::Run() {
     for (FrameEstimate& frame : estimate_.frames) {
       if (const auto better = refined.find(frame.stamp_ns); better != refined.end()) frame = better->second;
     }
+    estimate_.failure = system_->Failure();
   } catch (...) {
     failure_ = std::current_exception();
     queue_.Close();

@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 #include <opencv2/core/version.hpp>
 
+#include "algorithms/io/checksum.h"
+#include "frames_fingerprint.h"
 #include "sim/world.h"
 
 namespace gaitcam {
@@ -23,6 +25,15 @@ Facts RunFacts(uint64_t seed) {
   Facts facts = LibraryVersions();
   facts.insert(facts.begin(), {"seed", std::to_string(seed)});
   return facts;
+}
+
+std::string ProgramVersion() { return GAITCAM_VERSION; }
+
+std::string FramesFingerprint() { return std::string(GAITCAM_FRAMES_FINGERPRINT) + "-" + mj_versionString(); }
+
+std::string ProgramFingerprint() {
+  static const std::string fingerprint = Sha256OfFile("/proc/self/exe");  // some 10 MB: read once
+  return fingerprint;
 }
 
 }  // namespace gaitcam

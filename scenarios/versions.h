@@ -16,4 +16,13 @@ Facts LibraryVersions();
 /// What goes into a report besides the scenario: seed and versions.
 Facts RunFacts(uint64_t seed);
 
+/// gaitcam's own version, "0.1.0".
+std::string ProgramVersion();
+
+/// Changes whenever the code that makes frames does (core, io, models, sim), or MuJoCo.
+std::string FramesFingerprint();
+
+/// Changes whenever the running program's bytes do: its SHA-256.
+std::string ProgramFingerprint();
+
 }  // namespace gaitcam

@@ -32,6 +32,7 @@ struct FrameEstimate {
 /// All answers of one run, in frame order.
 struct Estimate {
   std::vector<FrameEstimate> frames;
+  std::string failure;           ///< Why the system stopped working, in one line; empty if it did not.
   std::vector<double> track_ms;  ///< Wall time spent per frame; the one part that differs from run to run.
 
   /// The frames that have a pose.

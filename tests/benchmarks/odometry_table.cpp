@@ -115,9 +115,7 @@ Recording Record(const std::string& file, std::vector<std::string> sets, int see
   recording.folder = keep / fmt::format("{}-seed{}", name, seed);
   recording.folders = DatasetFolders::In(recording.folder, name);
   if (!IsRecorded(recording)) {
-    RunOptions options;
-    options.out = recording.folder;
-    RecordScenario(recording.resolved, {}, options);
+    RecordScenario(recording.resolved, recording.folders, {});
   }
   ReadTruth(recording);
   return recording;

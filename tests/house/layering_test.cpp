@@ -47,6 +47,7 @@ const std::map<std::string, Folders> kReserved = {
     {"EGL/", {"sim"}},
     {"urdf_", {"models"}},
     {"CLI/", {"scenarios"}},
+    {"openssl/", {"algorithms/io"}},
 };
 
 std::string FolderOf(const fs::path& relative) { return relative.parent_path().generic_string(); }

@@ -1,0 +1,50 @@
+/// Many runs, each in a process of its own: what crashes is one run, and what is killed is at most the runs in flight.
+
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scenarios/job.h"
+
+namespace gaitcam {
+
+/// One run to be done.
+struct WorkItem {
+  std::string hash;           ///< HashOf the scenario: names the run's folder.
+  std::string frames_hash;    ///< Items that share it share one rendering.
+  std::string scenario_yaml;  ///< Resolved.
+  std::string programs;       ///< ProgramsFingerprint: a finished run of other programs is run again.
+  std::string label;          ///< For people: "exposure_ms=20, sift_vo, seed 3".
+};
+
+WorkItem WorkItemOf(const ResolvedScenario& resolved, const std::string& label);
+
+struct ExecutorOptions {
+  std::filesystem::path runs;  ///< Folder of the runs' folders.
+  SequenceCacheOptions cache;
+  int jobs = 0;               ///< Processes at once; 0: one per core.
+  std::string what = "runs";  ///< Label of the progress line.
+  bool quiet = false;
+  std::function<bool()> interrupted = [] { return false; };
+};
+
+struct ExecutorOutcome {
+  int reused = 0, done = 0;
+  bool interrupted = false;
+  std::map<std::string, std::string> failures;  ///< Hash to the last line that a process said that did not end well.
+};
+
+/// Does what is not done yet. Items of the same frames wait until one of them has them recorded. Scenarios lie in
+/// runs/plan/HASH.yaml, what a failed process said in runs/log/HASH.log.
+/// @throws BadInput if another executor works in the same folder; MissingResource if the machine lacks something that
+/// the runs need, at the first that says so.
+ExecutorOutcome ExecuteLocally(const std::vector<WorkItem>& items, const ExecutorOptions& options);
+
+/// The one run that a process of an executor does: reads runs/plan/HASH.yaml. @returns the exit code.
+int WorkOn(const std::filesystem::path& runs, const std::string& hash, const SequenceCacheOptions& cache);
+
+}  // namespace gaitcam

@@ -1,0 +1,159 @@
+#include "scenarios/experiment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace fs = std::filesystem;
+namespace {
+
+/// A value as `--set KEY=VALUE` takes it.
+std::string OneLine(const YAML::Node& node) {
+  if (node.IsScalar()) {
+    YAML::Emitter out;
+    out << node;
+    return out.c_str();
+  }
+  YAML::Emitter out;
+  out.SetSeqFormat(YAML::Flow);
+  out.SetMapFormat(YAML::Flow);
+  out << node;
+  std::string text = out.c_str();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+size_t CountConditions(const ExperimentOptions& options) {
+  if (!options.list.empty()) return options.list.size();
+  size_t count = 1;
+  for (const auto& [key, values] : options.axes) {
+    if (count > kMaxRunsUnasked * 1000) break;  // far too many already
+    count *= values.size();
+  }
+  return count;
+}
+
+/// All combinations, the last axis fastest.
+std::vector<Assignments> Combinations(const Axes& axes) {
+  std::vector<Assignments> all{{}};
+  for (const auto& [key, values] : axes) {
+    std::vector<Assignments> longer;
+    for (const Assignments& before : all) {
+      for (const std::string& value : values) {
+        longer.push_back(before);
+        longer.back().emplace_back(key, value);
+      }
+    }
+    all = std::move(longer);
+  }
+  return all;
+}
+
+void CheckShape(const YamlNode& root, const ExperimentOptions& options, bool yes) {
+  if (options.base.empty()) root.Fail("expected the key `base` with the scenario file to start from");
+  if (root.Has("axes") && root.Has("list")) root.Child("list").Fail("expected either `axes` or `list`, not both");
+  if (options.seeds.empty()) (root.Has("seeds") ? root.Child("seeds") : root).Fail("expected at least one seed");
+  const double runs = double(CountConditions(options)) * double(options.seeds.size());
+  if (runs <= double(kMaxRunsUnasked) || yes) return;
+  root.Fail(fmt::format("{:.0f} runs; more than {} are done only with --yes", runs, kMaxRunsUnasked));
+}
+
+/// @throws BadInput at the value within the file that the message is about.
+ResolvedScenario Resolve(const YamlNode& root, const ExperimentOptions& options, const Assignments& levels,
+                         ModelShelf& shelf) {
+  const fs::path base = root.folder() / options.base;
+  std::vector<std::string> assignments;
+  for (const auto& [key, value] : options.set) assignments.push_back(key + "=" + value);
+  for (const auto& [key, value] : levels) assignments.push_back(key + "=" + value);
+  assignments.push_back(fmt::format("seed={}", options.seeds.front()));
+  try {
+    return ReadScenario(base, assignments, &shelf);
+  } catch (const BadInput& e) {
+    root.Fail(e.what());
+  }
+}
+
+}  // namespace
+
+void ReadYaml(const YamlNode& node, Assignments& value) {
+  if (!node.node().IsMap()) node.Fail("expected a map of a scenario's keys and values");
+  value.clear();
+  for (const auto& entry : node.node()) value.emplace_back(entry.first.Scalar(), OneLine(entry.second));
+}
+
+void ReadYaml(const YamlNode& node, Axes& value) {
+  if (!node.node().IsMap() || node.node().size() == 0)
+    node.Fail("expected a map of a scenario's keys and lists of values");
+  value.clear();
+  for (const auto& entry : node.node()) {
+    const YamlNode child = node.Child(entry.first.Scalar());
+    const YAML::Node& list = child.node();
+    if (!list.IsSequence() || list.size() == 0) child.Fail("expected a list of at least one value");
+    std::vector<std::string> values;
+    for (size_t i = 0; i < list.size(); ++i) {
+      const std::string text = OneLine(list[i]);
+      if (std::find(values.begin(), values.end(), text) != values.end())
+        child.Element(i).Fail(text + " is there twice");
+      values.push_back(text);
+    }
+    for (const auto& [key, others] : value) {
+      if (key == entry.first.Scalar()) child.Fail("this axis is given twice");
+    }
+    value.emplace_back(entry.first.Scalar(), values);
+  }
+}
+
+void ReadYaml(const YamlNode& node, Seeds& value) {
+  value.clear();
+  if (node.node().IsScalar()) {
+    uint64_t count = 0;
+    ReadYaml(node, count);
+    if (count < 1 || count > 1000000) node.Fail("expected a number of seeds of 1 to 1000000, or a list of seeds");
+    for (uint64_t seed = 1; seed <= count; ++seed) value.push_back(seed);
+    return;
+  }
+  ReadYaml(node, static_cast<std::vector<uint64_t>&>(value));
+  if (value.empty()) node.Fail("expected at least one seed");
+  for (size_t i = 0; i < value.size(); ++i) {
+    if (std::count(value.begin(), value.begin() + long(i), value[i]) > 0)
+      node.Element(i).Fail("this seed is there twice");
+  }
+}
+
+std::string ShortKey(const std::string& key) { return key.substr(key.rfind('.') + 1); }
+
+std::string Condition::Label() const {
+  std::string label;
+  for (const auto& [key, value] : levels)
+    label += fmt::format("{}{}={}", label.empty() ? "" : ", ", ShortKey(key), value);
+  return label;
+}
+
+ResolvedScenario Condition::WithSeed(uint64_t seed) const {
+  ResolvedScenario copy = resolved;
+  copy.scenario.seed = seed;
+  return copy;
+}
+
+Experiment ResolveExperiment(const YamlNode& root, const ExperimentOptions& options, bool yes) {
+  CheckShape(root, options, yes);
+  Experiment experiment{options, {}, {}};
+  if (experiment.options.name.empty()) experiment.options.name = fs::path(root.file()).stem().string();
+  if (experiment.options.name.find('/') != std::string::npos) root.Child("name").Fail("a name must not contain \"/\"");
+  const std::vector<Assignments> conditions = options.list.empty() ? Combinations(options.axes) : options.list;
+  ModelShelf shelf;
+  for (const Assignments& levels : conditions) {
+    for (const auto& [key, value] : levels) {
+      if (std::find(experiment.keys.begin(), experiment.keys.end(), key) == experiment.keys.end())
+        experiment.keys.push_back(key);
+    }
+    experiment.conditions.push_back({levels, Resolve(root, options, levels, shelf)});
+  }
+  return experiment;
+}
+
+}  // namespace gaitcam
