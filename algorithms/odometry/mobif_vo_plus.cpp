@@ -7,6 +7,7 @@
 #include "algorithms/features/features.h"
 #include "algorithms/features/matching.h"
 #include "algorithms/geometry/absolute_pose.h"
+#include "algorithms/geometry/homography.h"
 #include "algorithms/geometry/two_view.h"
 #include "algorithms/odometry/floor_guess.h"
 #include "algorithms/odometry/landmark_map.h"
@@ -16,6 +17,7 @@ namespace gaitcam {
 namespace {
 
 constexpr double kRadPerDeg = M_PI / 180;
+constexpr double kLevel = 0.82;  // cosine of the largest angle between a floor's normal and the camera's up: 35 degrees
 
 double Median(std::vector<double> values) {
   GAITCAM_ASSERT(!values.empty());
@@ -29,6 +31,27 @@ struct FrameRecord {
   int keyframe = -1;  ///< -1: no pose, or one given before there was a keyframe.
   Pose X_KC;
 };
+
+/// Two views of a plane allow two motions, and the few things that stand out of it may fail to tell which. In the false
+/// one plane and motion have changed places: the one whose plane is level, as a floor is under a camera that is carried
+/// roughly level, is the true one.
+/// @param threshold in normalised coordinates
+/// @returns nothing where no motion or both have a level plane, as when the camera moves straight down.
+std::optional<TwoView> OverALevelPlane(const std::vector<PointPair>& pairs, const std::vector<int>& inliers,
+                                       double threshold) {
+  const auto H = EstimateHomographyRobustly(pairs, inliers, threshold / 2);
+  if (!H) return {};
+  std::optional<RelativeMotion> level;
+  for (const PlaneMotion& plane : DecomposeHomography(*H)) {
+    if (!(plane.t.norm() > 0) || plane.normal.y() < kLevel) continue;
+    if (level) return {};
+    level = RelativeMotion{plane.R, plane.t.normalized()};
+  }
+  if (!level) return {};
+  TwoView two_view = DescribeTwoView(pairs, *level, threshold);
+  two_view.planar = true;
+  return two_view;
+}
 
 LandmarkMapOptions MapOptions(const MobifVoPlusOptions& o) {
   return {o.window, o.memory, o.adjust_iterations, o.outlier_sigmas};
@@ -168,9 +191,15 @@ bool MobifVoPlus::Tracker::Start(FrameView& view) {
     pairs.push_back({reference_->xy[a], view.xy[b]});
     sightings.push_back({{reference_->X_WC, reference_->xy[a], reference_->sigma[a], 0, 0}, view.xy[b], view.sigma[b]});
   }
-  const TwoView two_view = EstimateTwoView(pairs, {2.0 / camera_.fx, 0.9999, 300, 20}, random_);
+  TwoView two_view = EstimateTwoView(pairs, {2.0 / camera_.fx, 0.9999, 300, 20}, random_);
+  bool ambiguous = two_view.alternative.has_value();
+  if (two_view.planar && options_.use_floor) {
+    const auto level = OverALevelPlane(pairs, two_view.inliers, 2.0 / camera_.fx);
+    ambiguous = !level;
+    if (level) two_view = *level;
+  }
   if (int(two_view.inliers.size()) < options_.min_start_points) return begin_here();
-  const bool moved = !two_view.rotation_only && !two_view.alternative;  // a plane seen twice allows two motions: wait
+  const bool moved = !two_view.rotation_only && !ambiguous;
   if (moved && two_view.parallax > options_.start_parallax_deg * kRadPerDeg &&
       two_view.direction_sigma < options_.start_direction_deg * kRadPerDeg && StartMap(view, matches, two_view)) {
     return true;
@@ -201,7 +230,7 @@ bool MobifVoPlus::Tracker::StartMap(FrameView& view, const std::vector<Match>& m
     pairs.push_back({match.a, match.b});
   }
   if (int(pairs.size()) < options_.min_start_points) return false;
-  // Two views of nothing but a plane allow two motions, and noise picks one: where it makes the floor a slope, wait.
+  // Where the motion makes the floor a slope, wait for another.
   if (two_view.planar && options_.use_floor && !FindFloor(below, random_)) return false;
   const double unit = median_depth_ / Median(depths);
   map_.AddKeyframe(*reference_, {}, median_depth_, Guess());
