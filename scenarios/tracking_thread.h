@@ -6,8 +6,8 @@
 #include <memory>
 #include <thread>
 
+#include "algorithms/core/bounded_queue.h"
 #include "algorithms/slam/system.h"
-#include "scenarios/bounded_queue.h"
 
 namespace gaitcam {
 

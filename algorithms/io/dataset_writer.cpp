@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -11,6 +12,7 @@
 #include "algorithms/io/image_file.h"
 #include "algorithms/io/text_table.h"
 #include "algorithms/io/trajectory_file.h"
+#include "algorithms/io/writer_pool.h"
 
 namespace gaitcam {
 namespace {
@@ -33,8 +35,14 @@ std::string PoseColumns(const std::string& of) {
   return text;
 }
 
+void MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw MissingResource(folder.string() + ": cannot make this folder: " + error.message());
+}
+
 void WriteText(const fs::path& file, const std::string& text) {
-  fs::create_directories(file.parent_path());
+  MakeFolder(file.parent_path());
   WriteWholeFile(file, text);
 }
 
@@ -46,9 +54,7 @@ class PendingFolder {
     for (const fs::path& taken : {wanted_, path_}) {
       if (fs::exists(taken)) throw BadInput(taken.string() + ": exists already; remove it or choose another name");
     }
-    std::error_code error;
-    fs::create_directories(path_, error);
-    if (error) throw MissingResource(path_.string() + ": cannot make this folder: " + error.message());
+    MakeFolder(path_);
   }
   ~PendingFolder() {
     std::error_code ignored;
@@ -74,7 +80,7 @@ class PendingFolder {
 class RowFile {
  public:
   RowFile(fs::path file, const std::string& header) : file_(std::move(file)) {
-    fs::create_directories(file_.parent_path());
+    MakeFolder(file_.parent_path());
     stream_.open(file_, std::ios::binary);
     Row(header);
   }
@@ -102,7 +108,7 @@ class ImageFiles {
         folder_(format == DatasetFormat::kTum ? root / name : root / name / "data"),
         table_(format == DatasetFormat::kTum ? root / (name + ".txt") : root / name / "data.csv",
                format == DatasetFormat::kTum ? "# timestamp filename" : "#timestamp [ns],filename") {
-    fs::create_directories(folder_);
+    MakeFolder(folder_);
   }
 
   /// Lists an image and @returns where to write it.
@@ -133,13 +139,36 @@ bool TooFarForPng(const cv::Mat& depth) {
   return farthest > std::numeric_limits<uint16_t>::max() / kDepthUnitsPerMetre;
 }
 
-void WriteDepth(const fs::path& root, ImageFiles& files, int64_t stamp_ns, const cv::Mat& depth, bool measured,
-                int compression) {
-  const bool exact = WriteDepthPng(files.Add(stamp_ns), depth, compression);
-  if (measured ? exact : !TooFarForPng(depth)) return;
-  fs::create_directories(root / "depth_exact");
-  WriteDepthTiff(root / "depth_exact" / (std::to_string(stamp_ns) + ".tiff"), depth);
-}
+/// The images of one recording on their way to the disk.
+class ImageJobs {
+ public:
+  explicit ImageJobs(const DatasetWriterOptions& options)
+      : level_(options.png_compression), pool_(std::clamp(options.threads, 0, 64)) {}
+
+  void Png(const fs::path& file, const cv::Mat& image) {
+    pool_.Do([=, level = level_] { WritePng(file, image, level); });
+  }
+  void Vectors(const fs::path& file, const cv::Mat& vectors) {
+    pool_.Do([=, level = level_] { WriteVectorsPng(file, vectors, level); });
+  }
+  /// Without a lossless twin.
+  void PlainDepth(const fs::path& file, const cv::Mat& depth) {
+    pool_.Do([=, level = level_] { WriteDepthPng(file, depth, level); });
+  }
+  void Depth(const fs::path& root, const fs::path& file, int64_t stamp_ns, const cv::Mat& depth, bool measured) {
+    pool_.Do([=, level = level_] {
+      const bool exact = WriteDepthPng(file, depth, level);
+      if (measured ? exact : !TooFarForPng(depth)) return;
+      MakeFolder(root / "depth_exact");
+      WriteDepthTiff(root / "depth_exact" / (std::to_string(stamp_ns) + ".tiff"), depth);
+    });
+  }
+  void Finish() { pool_.Finish(); }
+
+ private:
+  int level_;
+  WriterPool pool_;
+};
 
 const char* const kSensorsText =
     "What a walking robot's sensors recorded (layout: {}). The truth lies beside this folder{}.\n"
@@ -184,7 +213,7 @@ class TruthFiles {
     if (euroc && options.truth_inside) AddStates(sensors);
   }
 
-  void Add(int64_t stamp_ns, const FrameTruthRecord& truth) {
+  void Add(int64_t stamp_ns, const FrameTruthRecord& truth, ImageJobs& jobs) {
     for (RowFile& file : poses_) file.Row(TrajectoryRow({stamp_ns, truth.X_WC}, TrajectoryFormat::kTum));
     const Pose X_WI = truth.X_WI ? *truth.X_WI : truth.X_WC * calibration_.imu.X_CI;
     const Pose body = calibration_.imu.rate_hz > 0 ? X_WI : truth.X_WC;
@@ -196,7 +225,7 @@ class TruthFiles {
     for (const auto& sub : truth.subposes) {
       subposes_.Row(fmt::format("{},{},{}", stamp_ns, sub.stamp_ns, sub.weight) + Csv(sub.X_WC));
     }
-    AddImages(stamp_ns, truth);
+    AddImages(stamp_ns, truth, jobs);
   }
 
   void Finish(int64_t frames, const std::string& ending) {
@@ -220,16 +249,15 @@ class TruthFiles {
     WriteText(folder / "sensor.yaml", EurocTruthText());
   }
 
-  void AddImages(int64_t stamp_ns, const FrameTruthRecord& truth) {
+  void AddImages(int64_t stamp_ns, const FrameTruthRecord& truth, ImageJobs& jobs) {
     const auto files = [&](std::optional<ImageFiles>& of, const char* name) -> ImageFiles& {
       if (!of) of.emplace(folder_.path(), name, DatasetFormat::kTum);
       return *of;
     };
-    const int level = options_.png_compression;
-    if (!truth.sharp.empty()) WritePng(files(sharp_, "sharp").Add(stamp_ns), truth.sharp, level);
-    if (!truth.blur.empty()) WriteVectorsPng(files(blur_, "blur").Add(stamp_ns), truth.blur, level);
+    if (!truth.sharp.empty()) jobs.Png(files(sharp_, "sharp").Add(stamp_ns), truth.sharp);
+    if (!truth.blur.empty()) jobs.Vectors(files(blur_, "blur").Add(stamp_ns), truth.blur);
     if (!truth.depth.empty()) {
-      WriteDepth(folder_.path(), files(depth_, "depth"), stamp_ns, truth.depth, false, level);
+      jobs.Depth(folder_.path(), files(depth_, "depth").Add(stamp_ns), stamp_ns, truth.depth, false);
     }
   }
 
@@ -269,6 +297,7 @@ class DatasetWriter::Files {
   std::optional<RowFile> associations_, imu_, accelerometer_, joints_;
   std::optional<TruthFiles> truth_;
   int64_t frames_ = 0, last_stamp_ns_ = 0;
+  ImageJobs jobs_;  // last: its threads end before the folders go
 };
 
 DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& calibration,
@@ -279,10 +308,14 @@ DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& ca
       folder_(folders.sensors),
       left_(root(), tum() ? "rgb" : "cam0", options.format),
       times_(folder_.path() / "times.txt", "# id time_s exposure_ms"),
-      exposures_(folder_.path() / "exposure.csv", "#stamp_ns,exposure_ms,imu_samples,joint_samples") {
+      exposures_(folder_.path() / "exposure.csv", "#stamp_ns,exposure_ms,imu_samples,joint_samples"),
+      jobs_(options) {
   if (options.png_compression < 0 || options.png_compression > 9) {
     throw BadOption("png_compression: " + std::to_string(options.png_compression) +
                     " is not permitted; expected 0 to 9");
+  }
+  if (options.threads < 0 || options.threads > 64) {
+    throw BadOption("threads: " + std::to_string(options.threads) + " is not permitted; expected 0 to 64");
   }
   if (fs::exists(folders.truth)) {
     throw BadInput(folders.truth.string() + ": exists already; remove it or choose another name");
@@ -322,11 +355,10 @@ void DatasetWriter::Files::Check(const Observation& o) const {
 }
 
 void DatasetWriter::Files::AddImages(const Observation& o) {
-  const int level = options_.png_compression;
-  WritePng(left_.Add(o.stamp_ns), o.image.pixels, level);
-  if (o.right) WritePng(right_->Add(o.right->stamp_ns), o.right->pixels, level);
+  jobs_.Png(left_.Add(o.stamp_ns), o.image.pixels);
+  if (o.right) jobs_.Png(right_->Add(o.right->stamp_ns), o.right->pixels);
   if (o.depth) {
-    WriteDepth(folder_.path(), *depth_, o.depth->stamp_ns, o.depth->pixels, true, level);
+    jobs_.Depth(folder_.path(), depth_->Add(o.depth->stamp_ns), o.depth->stamp_ns, o.depth->pixels, true);
     if (associations_) associations_->Row(left_.TumEntry(o.stamp_ns) + " " + depth_->TumEntry(o.depth->stamp_ns));
   }
 }
@@ -338,7 +370,7 @@ void DatasetWriter::Files::AddTrueDepth(const FrameTruthRecord& truth, int64_t s
     depth_.emplace(root(), "depth", options_.format);
     associations_.emplace(folder_.path() / "associations.txt", "# time image time depth");
   }
-  WriteDepthPng(depth_->Add(stamp_ns), truth.depth, options_.png_compression);
+  jobs_.PlainDepth(depth_->Add(stamp_ns), truth.depth);
   associations_->Row(left_.TumEntry(stamp_ns) + " " + depth_->TumEntry(stamp_ns));
 }
 
@@ -373,7 +405,7 @@ void DatasetWriter::Files::Add(const Observation& o, const std::optional<FrameTr
   exposures_.Row(fmt::format("{},{},{},{}", o.stamp_ns, ExactText(o.exposure_ms), o.imu.size(), o.joints.size()));
   if (truth) {
     if (!truth_) truth_.emplace(folders_.truth, folder_.path(), calibration_, options_);
-    truth_->Add(o.stamp_ns, *truth);
+    truth_->Add(o.stamp_ns, *truth, jobs_);
     AddTrueDepth(*truth, o.stamp_ns);
   }
   last_stamp_ns_ = o.stamp_ns;
@@ -381,6 +413,7 @@ void DatasetWriter::Files::Add(const Observation& o, const std::optional<FrameTr
 }
 
 void DatasetWriter::Files::Finish(const std::string& ending) {
+  jobs_.Finish();
   for (auto* files : {&right_, &depth_}) {
     if (*files) (*files)->Close();
   }

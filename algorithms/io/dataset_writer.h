@@ -44,9 +44,12 @@ struct DatasetWriterOptions {
   /// tools that score by themselves look for it. A SLAM system must then be trusted not to look.
   bool truth_inside = false;
   int png_compression = 1;  ///< 0 fastest to 9 smallest; all are lossless.
+  int threads = 2;          ///< That encode and write images beside the caller's; 0: Add() does it all. Same bytes.
 };
 
 /// Nothing has its final name before Finish(): an abandoned recording leaves nothing behind.
+///
+/// Images are encoded on threads of the writer's own: pixels must not be altered after they were added.
 class DatasetWriter {
  public:
   /// @throws BadInput if a folder exists already; MissingResource if it cannot be made; BadOption.
@@ -54,9 +57,10 @@ class DatasetWriter {
   /// Without Finish(), removes what was written.
   ~DatasetWriter();
 
-  /// Frames come with increasing stamps. Memory does not grow with their number.
+  /// Frames come with increasing stamps. Memory does not grow with their number: where the disk is slower than the
+  /// caller, the caller waits.
   /// @throws BadInput if the observation is not what the calibration says (image size, a missing right image or depth);
-  /// MissingResource if the disk is full.
+  /// MissingResource if the disk is full, at the latest in Finish().
   void Add(const Observation& observation, const std::optional<FrameTruthRecord>& truth);
 
   /// Gives the folders their names. @param ending how the recording ended, for about.txt: "finished", "fell at 3.2 s".

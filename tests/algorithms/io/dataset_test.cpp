@@ -341,6 +341,37 @@ TEST_F(Datasets, AnAbandonedRecordingLeavesNothing) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
+TEST_F(Datasets, ThreadsWriteTheBytesThatTheCallerWould) {
+  const Calibration calibration = FullCalibration();
+  const std::vector<Observation> observations = SomeObservations(calibration, 40);
+  for (const int threads : {0, 3}) {
+    DatasetWriterOptions options;
+    options.threads = threads;
+    DatasetWriter writer(DatasetFolders::In(folder_ / std::to_string(threads), "walk"), calibration, options);
+    for (const Observation& o : observations) writer.Add(o, SomeTruth(o));
+    writer.Finish("finished");
+  }
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "0")) {
+    if (!entry.is_regular_file()) continue;
+    EXPECT_TRUE(Text(entry.path()) == Text(folder_ / "3" / fs::relative(entry.path(), folder_ / "0"))) << entry.path();
+    ++files;
+  }
+  EXPECT_GT(files, 40 * 6);  // left, right, depth, sharp, true depth, blur
+}
+
+TEST_F(Datasets, AnImageThatCannotBeWrittenEndsTheRecordingAndLeavesNothing) {
+  const std::vector<Observation> observations = SomeObservations(FullCalibration(), 40);
+  const std::string said = ErrorOf<MissingResource>([&] {
+    DatasetWriter writer(Folders(), FullCalibration(), {});
+    fs::remove_all(folder_ / "walk.partial" / "rgb");
+    for (const Observation& o : observations) writer.Add(o, SomeTruth(o));
+    writer.Finish("finished");
+  });
+  EXPECT_THAT(said, AllOf(HasSubstr("rgb/"), HasSubstr("cannot write this file")));
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
 TEST_F(Datasets, ARecordingOverwritesNothing) {
   fs::create_directories(folder_ / "walk");
   EXPECT_THAT(ErrorOf<BadInput>([&] { DatasetWriter(Folders(), MonoCalibration(), {}); }), HasSubstr("exists already"));

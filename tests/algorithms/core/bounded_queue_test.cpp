@@ -1,4 +1,4 @@
-#include "scenarios/bounded_queue.h"
+#include "algorithms/core/bounded_queue.h"
 
 #include <gtest/gtest.h>
 
