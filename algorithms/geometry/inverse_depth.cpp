@@ -1,8 +1,11 @@
 #include "algorithms/geometry/inverse_depth.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "algorithms/geometry/ransac.h"
 
 namespace gaitcam {
 namespace {
@@ -22,6 +25,51 @@ Eigen::Matrix2d Covariance(const InverseDepthSighting& sighting, const Eigen::Ve
   const double variance = sighting.point.rho_sigma * sighting.point.rho_sigma;
   const double place = sighting.sigma * sighting.sigma + sighting.point.xy_sigma * sighting.point.xy_sigma;
   return place * Eigen::Matrix2d::Identity() + variance * d_rho * d_rho.transpose();
+}
+
+/// A sighting as two directions that the turn brings together.
+struct DirectionPair {
+  Eigen::Vector3d in_W, in_C;  ///< Unit vectors.
+  double variance = 0;         ///< Of the angle between them, along each axis.
+  double gain = 0;             ///< Twice the log-likelihood ratio to chance where they meet exactly.
+
+  double Gain(const Eigen::Matrix3d& R_WC) const {
+    return std::max(0.0, gain - 2 * (1 - in_W.dot(R_WC * in_C)) / variance);
+  }
+};
+
+std::vector<DirectionPair> DirectionPairs(const std::vector<InverseDepthSighting>& sightings,
+                                          const PositionPrior& prior, double field) {
+  std::vector<DirectionPair> pairs;
+  for (const InverseDepthSighting& sighting : sightings) {
+    const InverseDepthPoint& point = sighting.point;
+    const Eigen::Vector3d baseline = point.X_WA.translation - prior.position_W,
+                          h = point.X_WA.R() * point.xy.homogeneous() + point.rho * baseline;
+    const double length = std::max(h.norm(), kNearest), shift = point.rho * prior.sigma / length,
+                 depth = point.rho_sigma * h.cross(baseline).norm() / (length * length);
+    DirectionPair pair{h / length, sighting.xy.homogeneous().normalized()};
+    pair.variance = sighting.sigma * sighting.sigma + point.xy_sigma * point.xy_sigma + shift * shift + depth * depth;
+    pair.gain = 2 * std::log(std::max(1.0, field / (2 * M_PI * pair.variance)));
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+/// The turn that brings two directions into the plane of their counterparts, both as near to them as can be.
+std::optional<Eigen::Matrix3d> TurnOfTwo(const DirectionPair& a, const DirectionPair& b) {
+  const double angle_W = std::atan2(a.in_W.cross(b.in_W).norm(), a.in_W.dot(b.in_W)),
+               angle_C = std::atan2(a.in_C.cross(b.in_C).norm(), a.in_C.dot(b.in_C));
+  const double off = angle_W - angle_C;
+  constexpr double kSmallest = 0.02;  // rad between directions that tell a turn
+  if (angle_W < kSmallest || angle_C < kSmallest || off * off > 9 * (a.variance + b.variance)) return {};
+  const auto frame = [](const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
+    Eigen::Matrix3d F;
+    F.col(0) = (u + v).normalized();
+    F.col(2) = u.cross(v).normalized();
+    F.col(1) = F.col(2).cross(F.col(0));
+    return F;
+  };
+  return frame(a.in_W, b.in_W) * frame(a.in_C, b.in_C).transpose();
 }
 
 }  // namespace
@@ -62,7 +110,7 @@ double Mahalanobis2(const InverseDepthSighting& sighting, const Pose& X_WC) {
 }
 
 Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
-                double huber) {
+                double huber, const std::optional<PositionPrior>& prior) {
   Pose pose = X_WC;
   constexpr int kMostSteps = 10;
   constexpr double kConverged = 1e-9, kLargestTurn = 0.5;  // rad; beyond it the linearisation is worthless
@@ -81,6 +129,11 @@ Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::v
       H += weight * projection->d_camera.transpose() * information * projection->d_camera;
       g += weight * projection->d_camera.transpose() * information * e;
     }
+    if (prior) {
+      const double information = 1 / (prior->sigma * prior->sigma);
+      H.bottomRightCorner<3, 3>() += information * Eigen::Matrix3d::Identity();
+      g.tail<3>() += information * (pose.translation - prior->position_W);
+    }
     // Where all points are at infinity translation is free: a whisper of damping keeps it where it is.
     H.bottomRightCorner<3, 3>() += 1e-9 * (1 + H.topLeftCorner<3, 3>().trace()) * Eigen::Matrix3d::Identity();
     const Vector6 change = -H.ldlt().solve(g);
@@ -92,6 +145,40 @@ Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::v
     if (change.norm() < kConverged) break;
   }
   return pose;
+}
+
+TurnResult EstimateTurn(const std::vector<InverseDepthSighting>& sightings, const PositionPrior& prior,
+                        const Eigen::Quaterniond& guess, double field, RandomStream& random) {
+  TurnResult result{Pose(guess, prior.position_W), {}};
+  const std::vector<DirectionPair> pairs = DirectionPairs(sightings, prior, field);
+  const int n = int(pairs.size());
+  if (n < 3) return result;
+  const auto judge = [&](const Eigen::Matrix3d& R_WC) {
+    double gain = 0;
+    for (const DirectionPair& pair : pairs) gain += pair.Gain(R_WC);
+    return gain;
+  };
+  Eigen::Matrix3d best = guess.toRotationMatrix();
+  double most = judge(best);
+  constexpr int kSamples = 1000;      // most are refused at once: their angles differ
+  constexpr double kWork = 100000.0;  // sightings judged in all
+  int judged = 0;
+  for (int k = 0; k < kSamples && judged * n < kWork; ++k) {
+    const std::vector<int> two = internal::DrawSample(n, 2, random);
+    const auto R_WC = TurnOfTwo(pairs[size_t(two[0])], pairs[size_t(two[1])]);
+    if (!R_WC) continue;
+    ++judged;
+    const double gain = judge(*R_WC);
+    if (gain <= most) continue;
+    most = gain;
+    best = *R_WC;
+  }
+  result.X_WC.rotation = Eigen::Quaterniond(best);
+  for (int i = 0; i < n; ++i) {
+    if (pairs[size_t(i)].Gain(best) > 0) result.inliers.push_back(i);
+  }
+  if (result.inliers.size() < 3) result.inliers.clear();
+  return result;
 }
 
 }  // namespace gaitcam

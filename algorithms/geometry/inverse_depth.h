@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "algorithms/core/pose.h"
+#include "algorithms/core/random.h"
 
 namespace gaitcam {
 
@@ -54,11 +55,31 @@ std::optional<InverseDepthProjection> LinearizeInverseDepth(const Pose& X_WA, co
 /// Chi-square with 2 degrees of freedom for true pairs; infinity for a point behind the camera.
 double Mahalanobis2(const InverseDepthSighting& sighting, const Pose& X_WC);
 
+/// Where a camera is thought to be beforehand.
+struct PositionPrior {
+  Eigen::Vector3d position_W = Eigen::Vector3d::Zero();
+  double sigma = 0;  ///< Standard deviation of each coordinate.
+};
+
 /// Maximum likelihood of the camera's pose by Gauss-Newton, Huber's weights beyond `huber` standard deviations. Depths
 /// that are not known constrain the turn alone.
-/// @param use indices into `sightings`
+/// @param use   indices into `sightings`
+/// @param prior counts as one more measurement
 /// @returns the pose, or `X_WC` itself where the problem is singular. Never NaN.
 Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
-                double huber);
+                double huber, const std::optional<PositionPrior>& prior = {});
+
+/// A camera whose position is roughly known: its turn follows from two sightings, so that few true ones among many
+/// false suffice (after the one-point RANSAC of Civera, Grasa, Davison and Montiel, JFR 2010). Each turn is judged by
+/// how much likelier it makes the sightings than chance does; the position's error bar counts in, so that near points
+/// are believed from farther off but say less.
+struct TurnResult {
+  Pose X_WC;                 ///< At the prior's position.
+  std::vector<int> inliers;  ///< Likelier true than chance; empty if there were fewer than three.
+};
+
+/// @param field solid angle in which false sightings are scattered evenly
+TurnResult EstimateTurn(const std::vector<InverseDepthSighting>& sightings, const PositionPrior& prior,
+                        const Eigen::Quaterniond& guess, double field, RandomStream& random);
 
 }  // namespace gaitcam

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "algorithms/core/random.h"
 #include "algorithms/features/features.h"
@@ -87,6 +88,13 @@ class MobifVoPlus::Tracker {
   bool Locate(FrameView& view, const Pose& prediction);
   bool LocateWithNoise(FrameView& view, const Pose& prediction, double noise);
   bool Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess, double noise);
+  bool AgreeNearby(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess, double noise);
+  bool Settle(FrameView& view, const std::vector<LandmarkMatch>& matches,
+              const std::vector<InverseDepthSighting>& sightings, Pose pose);
+  std::vector<InverseDepthSighting> Sightings(const FrameView& view, const std::vector<LandmarkMatch>& matches,
+                                              double noise) const;
+  PositionPrior Expect(const Pose& near, int64_t apart_ns) const;
+  void PlaceMissed(const FrameView& view, int64_t stamp_ns);
   bool WantsKeyframe(const FrameView& view);
   bool IsKeyframeDue(const FrameView& view) const;
   void ScaleNoise(FrameView& view) const;
@@ -104,14 +112,18 @@ class MobifVoPlus::Tracker {
   struct Waiting {
     size_t record = 0;
     FrameView view;
+    int64_t stamp_ns = 0;
   };
   std::vector<Waiting> waiting_;        ///< Frames since then, for the map to place once there is one.
+  std::vector<Waiting> missed_;         ///< Frames without a pose since the last one that has one.
+  std::optional<PositionPrior> prior_;  ///< Of the frame that is being located.
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int keyframe_ = -1;                   ///< The latest of the present map; -1: there is no map yet.
   int keyframe_inliers_ = 0;            ///< Most landmarks that a frame since the last keyframe saw.
   double usual_inliers_ = 0;            ///< Landmarks seen per frame, lately.
   int waiting_frames_ = 0;              ///< Since a keyframe was due.
   std::optional<Pose> X_WC_last_;       ///< Last known pose, over all maps.
+  int64_t last_ns_ = 0;                 ///< Its stamp.
   double median_depth_ = 1;             ///< At the last keyframe; the unit when a map begins.
   int lost_frames_ = 0;
   std::vector<FrameRecord> records_;
@@ -124,6 +136,8 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
   answer.features = view.features.size();
   inliers_.clear();
   const bool had_map = keyframe_ >= 0, was_lost = lost_frames_ > options_.max_lost_frames;
+  prior_.reset();
+  if (had_map) prior_ = Expect(*X_WC_last_, answer.stamp_ns - last_ns_);
   const bool found = had_map ? Locate(view, Predict(observation)) : Start(view);
   answer.inliers = int(inliers_.size());
   if (found) {
@@ -137,8 +151,11 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
       map_.Refresh(view, inliers_);
     }
     answer.pose = view.X_WC;
+    if (had_map) PlaceMissed(view, answer.stamp_ns);
     X_WC_last_ = view.X_WC;
+    last_ns_ = answer.stamp_ns;
   } else {
+    if (had_map) missed_.push_back({records_.size(), view, answer.stamp_ns});
     answer.status = X_WC_last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
     if (++lost_frames_ > options_.max_lost_frames && had_map) {
       map_.Clear();
@@ -146,6 +163,7 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
       keyframe_ = -1;
       reference_.reset();
       waiting_.clear();
+      missed_.clear();
     }
   }
   Record(answer, view);
@@ -207,7 +225,7 @@ bool MobifVoPlus::Tracker::Start(FrameView& view) {
   const Pose guess(reference_->X_WC.rotation * two_view.X_AB.rotation, reference_->X_WC.translation);
   view.X_WC = RefinePose(sightings, two_view.inliers, guess, 2);
   constexpr size_t kMostWaiting = 60;  // frames: their features take memory
-  if (waiting_.size() < kMostWaiting) waiting_.push_back({records_.size(), view});
+  if (waiting_.size() < kMostWaiting) waiting_.push_back({records_.size(), view, 0});
   return true;
 }
 
@@ -304,24 +322,55 @@ bool MobifVoPlus::Tracker::LocateWithNoise(FrameView& view, const Pose& predicti
   return Agree(view, SearchNear(map_, view, found, close), found, noise);
 }
 
-/// The pose that most matches agree upon, and those matches as `inliers_`.
+std::vector<InverseDepthSighting> MobifVoPlus::Tracker::Sightings(const FrameView& view,
+                                                                  const std::vector<LandmarkMatch>& matches,
+                                                                  double noise) const {
+  std::vector<InverseDepthSighting> sightings;
+  for (const LandmarkMatch& match : matches) {
+    const size_t i = size_t(match.feature);
+    sightings.push_back({map_.Point(map_.landmarks()[size_t(match.landmark)]), view.xy[i], noise * view.sigma[i]});
+  }
+  return sightings;
+}
+
+/// The pose that most matches agree upon, and those matches as `inliers_`. Far from where the camera is expected chance
+/// agrees upon something too, on a floor of a thousand like pebbles above all: there it takes as many as usual.
 bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess,
                                  double noise) {
+  if (prior_ && AgreeNearby(view, matches, guess, noise)) return true;
   inliers_.clear();
-  std::vector<InverseDepthSighting> sightings;
   std::vector<PointSighting> known, any;
   for (const LandmarkMatch& match : matches) {
     const Landmark& landmark = map_.landmarks()[size_t(match.landmark)];
-    const size_t i = size_t(match.feature);
-    sightings.push_back({map_.Point(landmark), view.xy[i], noise * view.sigma[i]});
     if (landmark.rho <= 0) continue;
-    (landmark.Known() ? known : any).push_back({map_.Place(landmark), view.xy[i]});
+    (landmark.Known() ? known : any).push_back({map_.Place(landmark), view.xy[size_t(match.feature)]});
   }
   // After a turn on the spot hardly anything in view has a known depth: then all have to do.
   if (int(known.size()) < 4 * options_.min_inliers) known.insert(known.end(), any.begin(), any.end());
   const auto rough = EstimateAbsolutePose(known, Ransacking(noise), random_, guess);
   if (int(rough.inliers.size()) < options_.min_inliers) return false;
-  Pose pose = rough.model;
+  const std::optional<PositionPrior> prior = std::exchange(prior_, {});
+  const bool settled = Settle(view, matches, Sightings(view, matches, noise), rough.model);
+  prior_ = prior;
+  constexpr double kManyAsUsual = 0.5;
+  return settled && (!prior_ || double(inliers_.size()) > kManyAsUsual * usual_inliers_);
+}
+
+/// Where the camera is expected, a turn alone has to be found.
+bool MobifVoPlus::Tracker::AgreeNearby(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess,
+                                       double noise) {
+  const std::vector<InverseDepthSighting> sightings = Sightings(view, matches, noise);
+  const double radius = options_.search_deg * kRadPerDeg;
+  const TurnResult turn = EstimateTurn(sightings, *prior_, guess.rotation, M_PI * radius * radius, random_);
+  if (int(turn.inliers.size()) < options_.min_inliers) return false;
+  if (!Settle(view, matches, sightings, RefinePose(sightings, turn.inliers, turn.X_WC, 2, prior_))) return false;
+  constexpr double kTooFar = 4;
+  return (view.X_WC.translation - prior_->position_W).norm() < kTooFar * prior_->sigma;
+}
+
+/// Refines a pose by all that agree with it.
+bool MobifVoPlus::Tracker::Settle(FrameView& view, const std::vector<LandmarkMatch>& matches,
+                                  const std::vector<InverseDepthSighting>& sightings, Pose pose) {
   const double limit2 = options_.outlier_sigmas * options_.outlier_sigmas;
   std::vector<int> inliers;
   constexpr int kRounds = 3;  // each refinement lets in what agrees with it
@@ -331,11 +380,31 @@ bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatc
       if (Mahalanobis2(sightings[size_t(i)], pose) < limit2) inliers.push_back(i);
     }
     if (int(inliers.size()) < options_.min_inliers) return false;
-    pose = RefinePose(sightings, inliers, pose, 2);
+    pose = RefinePose(sightings, inliers, pose, 2, prior_);
   }
   view.X_WC = pose;
+  inliers_.clear();
   for (const int i : inliers) inliers_.push_back(matches[size_t(i)]);
   return true;
+}
+
+/// A walker's camera is about where it was.
+PositionPrior MobifVoPlus::Tracker::Expect(const Pose& near, int64_t apart_ns) const {
+  return {near.translation, options_.usual_speed * median_depth_ * double(apart_ns) * 1e-9};
+}
+
+/// Frames that were lost between two that have a pose have better expectations now: for the final word.
+void MobifVoPlus::Tracker::PlaceMissed(const FrameView& view, int64_t stamp_ns) {
+  for (Waiting& frame : missed_) {
+    const double part = double(frame.stamp_ns - last_ns_) / double(stamp_ns - last_ns_);
+    const Pose guess(X_WC_last_->rotation.slerp(part, view.X_WC.rotation),
+                     (1 - part) * X_WC_last_->translation + part * view.X_WC.translation);
+    prior_ = Expect(guess, std::min(frame.stamp_ns - last_ns_, stamp_ns - frame.stamp_ns));
+    if (!Locate(frame.view, guess)) continue;
+    records_[frame.record].keyframe = keyframe_;
+    records_[frame.record].X_KC = map_.keyframes()[size_t(keyframe_)].Inverse() * frame.view.X_WC;
+  }
+  missed_.clear();
 }
 
 /// A keyframe is due once the camera has moved, turned or lost sight of points; it is taken at the next frame that sees
@@ -393,7 +462,10 @@ std::vector<FrameEstimate> MobifVoPlus::Tracker::Finish() {
   std::vector<FrameEstimate> frames;
   for (const FrameRecord& record : records_) {
     FrameEstimate frame = record.answer;
-    if (record.keyframe >= 0) frame.pose = map_.keyframes()[size_t(record.keyframe)] * record.X_KC;
+    if (record.keyframe >= 0) {
+      frame.pose = map_.keyframes()[size_t(record.keyframe)] * record.X_KC;
+      frame.status = TrackingStatus::kTracking;
+    }
     frames.push_back(frame);
   }
   return frames;

@@ -33,6 +33,7 @@ struct MobifVoPlusOptions {
   double search_deg = 10;             ///< How far from where it is predicted a point is looked for first.
   double outlier_sigmas = 3.0;        ///< A sighting further from its projection is not believed.
   double noise_of_second_look = 2.5;  ///< Where no pose is agreed upon, noise may be so many times larger.
+  double usual_speed = 0.6;           ///< Median depths per second: what is expected of the camera, along each axis.
   int min_inliers = 15;               ///< With fewer a frame has no pose.
   int max_lost_frames = 30;           ///< After so many frames without a pose the map is given up and begun anew.
 
@@ -62,6 +63,7 @@ void VisitFields(Visitor& visit, MobifVoPlusOptions& o) {
   visit("search_deg", o.search_deg, Between(0.1, 180.0), "how far from its prediction a point is looked for");
   visit("outlier_sigmas", o.outlier_sigmas, Between(1.0, 100.0), "sightings further off are not believed");
   visit("noise_of_second_look", o.noise_of_second_look, Between(1.0, 100.0), "noise allowed where nothing agrees");
+  visit("usual_speed", o.usual_speed, Between(0.001, 1e6), "median depths per second that the camera usually moves");
   visit("min_inliers", o.min_inliers, Between(6, 100000), "with fewer inliers a frame has no pose");
   visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "frames without a pose until a new start");
   visit("start_parallax_deg", o.start_parallax_deg, Between(0.01, 45.0), "median angle that starts a map");
