@@ -1,14 +1,9 @@
 #include "scenarios/executor.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <deque>
-#include <fstream>
+#include <list>
 #include <set>
 #include <thread>
 
@@ -16,6 +11,7 @@
 #include "scenarios/interrupt.h"
 #include "scenarios/output_folder.h"
 #include "scenarios/progress.h"
+#include "scenarios/subprocess.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -24,36 +20,16 @@ namespace {
 fs::path PlanOf(const fs::path& runs, const std::string& hash) { return runs / "plan" / (hash + ".yaml"); }
 fs::path LogOf(const fs::path& runs, const std::string& hash) { return runs / "log" / (hash + ".log"); }
 
-std::string LastLine(const fs::path& file) {
-  std::ifstream stream(file);
-  std::string line, last;
-  while (std::getline(stream, line)) {
-    if (!line.empty()) last = line;
-  }
-  return last;
-}
-
-/// Starts `gaitcam work` on one item, its words going to its log. The child dies with its parent.
-pid_t StartWorker(const WorkItem& item, const ExecutorOptions& options) {
-  const std::string runs = options.runs.string(), cache = options.cache.folder.string();
-  const std::string log = LogOf(options.runs, item.hash).string(), max_gb = fmt::format("{}", options.cache.max_gb);
-  std::vector<const char*> words{"gaitcam", "work", runs.c_str(), item.hash.c_str(), "--cache-gb", max_gb.c_str()};
-  if (!cache.empty()) words.insert(words.end(), {"--cache", cache.c_str()});
-  words.push_back(nullptr);
-  const pid_t parent = getpid();
-  const pid_t child = fork();
-  if (child < 0) throw MissingResource("cannot start another process");
-  if (child > 0) return child;
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(1);
-  setpgid(0, 0);  // Ctrl-C is the parent's to handle
-  const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (out >= 0) {
-    dup2(out, STDOUT_FILENO);
-    dup2(out, STDERR_FILENO);
-  }
-  execv("/proc/self/exe", const_cast<char* const*>(words.data()));
-  _exit(127);
+/// Starts `gaitcam work` on one item, its words going to its log.
+Subprocess StartWorker(const WorkItem& item, const ExecutorOptions& options) {
+  std::vector<std::string> words{options.program.string(),
+                                 "work",
+                                 options.runs.string(),
+                                 item.hash,
+                                 "--cache-gb",
+                                 fmt::format("{}", options.cache.max_gb)};
+  if (!options.cache.folder.empty()) words.insert(words.end(), {"--cache", options.cache.folder.string()});
+  return Subprocess(words, LogOf(options.runs, item.hash));
 }
 
 /// What waits, what runs, and which frames are being recorded.
@@ -83,27 +59,23 @@ class Schedule {
   std::set<std::string> recorded_, recording_;
 };
 
-/// The processes in flight.
+/// The processes in flight; they are killed if it is left before they end.
 class Crew {
  public:
   Crew(const ExecutorOptions& options, ExecutorOutcome& outcome) : options_(options), outcome_(outcome) {}
-  ~Crew() {
-    for (const auto& [child, item] : running_) kill(child, SIGKILL);
-    for (const auto& [child, item] : running_) waitpid(child, nullptr, 0);
-  }
 
   size_t size() const { return running_.size(); }
-  void Start(const WorkItem& item) { running_[StartWorker(item, options_)] = &item; }
+  void Start(const WorkItem& item) { running_.push_back({StartWorker(item, options_), &item}); }
 
-  /// Waits a moment for one to end. @returns the item that has, or null.
+  /// @returns an item whose process has ended, or null after a moment's wait.
   const WorkItem* Reap(bool& ok) {
     for (auto it = running_.begin(); it != running_.end(); ++it) {
-      int status = 0;
-      if (waitpid(it->first, &status, WNOHANG) != it->first) continue;
-      const WorkItem* item = it->second;
+      const std::optional<Ending> ending = it->process.Poll();
+      if (!ending) continue;
+      const WorkItem* item = it->item;
       running_.erase(it);
-      ok = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-      Judge(*item, status);
+      ok = ending->ok();
+      Judge(*item, *ending);
       return item;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -111,10 +83,14 @@ class Crew {
   }
 
  private:
-  void Judge(const WorkItem& item, int status) {
+  struct Member {
+    Subprocess process;
+    const WorkItem* item;
+  };
+
+  void Judge(const WorkItem& item, const Ending& ending) {
     const fs::path log = LogOf(options_.runs, item.hash);
-    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    if (code == 0) {
+    if (ending.ok()) {
       std::error_code ignored;
       fs::remove(log, ignored);
       ++outcome_.done;
@@ -122,14 +98,13 @@ class Crew {
     }
     const std::string said = LastLine(log), prefix = "gaitcam: ";
     const std::string line = said.starts_with(prefix) ? said.substr(prefix.size()) : said;
-    if (code == 4) throw MissingResource(line);
-    outcome_.failures[item.hash] =
-        WIFSIGNALED(status) ? fmt::format("the process died of signal {}", WTERMSIG(status)) : line;
+    if (ending.code == 4) throw MissingResource(line);
+    outcome_.failures[item.hash] = ending.signal != 0 || line.empty() ? "the run " + ending.ToText() : line;
   }
 
   const ExecutorOptions& options_;
   ExecutorOutcome& outcome_;
-  std::map<pid_t, const WorkItem*> running_;
+  std::list<Member> running_;
 };
 
 /// What remains to be done, its scenarios written down.

@@ -26,8 +26,9 @@ WorkItem WorkItemOf(const ResolvedScenario& resolved, const std::string& label);
 struct ExecutorOptions {
   std::filesystem::path runs;  ///< Folder of the runs' folders.
   SequenceCacheOptions cache;
-  int jobs = 0;               ///< Processes at once; 0: one per core.
-  std::string what = "runs";  ///< Label of the progress line.
+  std::filesystem::path program = "/proc/self/exe";  ///< The gaitcam that does the runs.
+  int jobs = 0;                                      ///< Processes at once; 0: one per core.
+  std::string what = "runs";                         ///< Label of the progress line.
   bool quiet = false;
   std::function<bool()> interrupted = [] { return false; };
 };

@@ -1,6 +1,11 @@
 #include "scenarios/scenario.h"
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
 #include <set>
+#include <sstream>
 
 #include "algorithms/io/checksum.h"
 #include "scenarios/folders.h"
@@ -89,6 +94,31 @@ std::string ResolvePath(const std::string& name_or_path, const fs::path& folder)
   return fs::exists(beside) ? fs::absolute(beside).lexically_normal().string() : name_or_path;
 }
 
+/// A program with a "/" in its name is looked for beside the file, any other in PATH. Fails where it is not.
+void ResolveExternal(const YamlNode& root, ExternalCommand& external) {
+  const YamlNode command = root.Child("system").Child("command");
+  for (const char* needed : {"{dataset}", "{output}"}) {
+    const auto has = [&](const std::string& word) { return word.find(needed) != std::string::npos; };
+    if (std::none_of(external.command.begin(), external.command.end(), has)) {
+      command.Fail(std::string("expected ") + needed + " in one of the arguments");
+    }
+  }
+  std::string& program = external.command.front();
+  if (program.find('/') != std::string::npos) {
+    program = ResolvePath(program, root.folder());
+    if (access(program.c_str(), X_OK) != 0 || fs::is_directory(program)) {
+      command.Element(0).Fail(program + ": there is no such program, or it may not be executed");
+    }
+    return;
+  }
+  const char* path = std::getenv("PATH");
+  std::stringstream folders(path ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return;
+  }
+  command.Element(0).Fail(program + ": there is no such program in PATH; one beside this file is written ./" + program);
+}
+
 /// What was read before, if there is a shelf.
 template <class Model>
 Model FromShelf(std::map<std::string, Model>* shelf, const std::string& name,
@@ -173,8 +203,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   }
   ResolveGait(root, resolved.robot, scenario.gait);
   if (scenario.system.external) {
-    std::string& program = scenario.system.external->command.front();
-    if (program.find('/') != std::string::npos) program = ResolvePath(program, root.folder());
+    ResolveExternal(root, *scenario.system.external);
     return resolved;
   }
   try {

@@ -1,13 +1,22 @@
 #include "scenarios/tracked_system.h"
 
-#include "algorithms/core/errors.h"
+#include "scenarios/external_system.h"
+#include "scenarios/handicap.h"
 
 namespace gaitcam {
 
 std::unique_ptr<System> MakeTrackedSystem(const Scenario& scenario, const Calibration& calibration,
-                                          const std::filesystem::path&) {
-  const uint64_t seed = scenario.system_seed.value_or(scenario.seed);
-  return MakeSystem(scenario.system.name, {calibration, seed, scenario.system.settings});
+                                          const std::filesystem::path& folder) {
+  const SystemSetup setup{FalsifiedCalibration(calibration, scenario.handicap),
+                          scenario.system_seed.value_or(scenario.seed), scenario.system.settings};
+  std::unique_ptr<System> system;
+  if (scenario.system.external) {
+    system = std::make_unique<ExternalSystem>(*scenario.system.external, setup, folder / "system.log");
+  } else {
+    system = MakeSystem(scenario.system.name, setup);
+  }
+  if (!IsHandicap(scenario.handicap)) return system;
+  return std::make_unique<HandicappedSystem>(std::move(system), scenario.handicap, setup.seed);
 }
 
 }  // namespace gaitcam
