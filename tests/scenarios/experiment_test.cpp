@@ -96,8 +96,10 @@ TEST_F(ExperimentTest, BadFilesAreToldApart) {
   ExpectRefusal("base: base.yaml\naxes: {}\n", "e.yaml:2:7: axes: expected a map");
   ExpectRefusal("base: base.yaml\naxes: {duration_s: []}\n", "axes.duration_s: expected a list of at least one value");
   ExpectRefusal("base: base.yaml\naxes: {duration_s: [1, 1]}\n", "1 is there twice");
-  ExpectRefusal("base: base.yaml\naxes: {durations: [1]}\n", "durations: unknown key; did you mean duration_s?");
-  ExpectRefusal("base: base.yaml\naxes: {duration_s: [long]}\n", "duration_s: \"long\" is not a number");
+  ExpectRefusal("base: base.yaml\naxes: {durations: [1]}\n",
+                "axes.durations[0]: unknown key; did you mean duration_s?");
+  ExpectRefusal("base: base.yaml\naxes: {duration_s: [long]}\n",
+                "e.yaml:2:21: axes.duration_s[0]: \"long\" is not a number");
   ExpectRefusal("base: base.yaml\nlist: [{duration_s: 1}]\naxes: {duration_s: [1]}\n", "not both");
   ExpectRefusal("base: base.yaml\nseeds: 0\n", "e.yaml:2:8: seeds: expected a number of seeds of 1 to");
   ExpectRefusal("base: base.yaml\nseeds: [1, 1]\n", "this seed is there twice");
