@@ -35,6 +35,7 @@ struct Arguments {
   FeaturesArguments features;
   ScenarioArguments validate;
   WorkArguments work;
+  StudyArguments study;
 };
 
 void AddRun(CLI::App& app, Arguments& a) {
@@ -112,6 +113,27 @@ void AddWork(CLI::App& app, Arguments& a) {
   AddCache(*verb, a.work.cache);
 }
 
+void AddStudy(CLI::App& app, Arguments& a) {
+  CLI::App* verb =
+      app.add_subcommand("study", "run a scenario over axes of values and seeds, and say what made a difference");
+  verb->add_option("study", a.study.file, "study file (YAML)")->required();
+  verb->add_option("--out", a.study.out, "folder of the results (default: studies/NAME)");
+  verb->add_option("-j,--jobs", a.study.jobs, "runs at once (default: one per core)")->check(CLI::PositiveNumber);
+  AddCache(*verb, a.study.cache);
+  verb->add_option("--executor", a.study.executor, "local, or slurm: runs as a job array")
+      ->check(CLI::IsMember({"local", "slurm"}))
+      ->capture_default_str();
+  verb->add_option("--sbatch", a.study.sbatch, "further option of sbatch, e.g. --sbatch=--partition=long (repeatable)")
+      ->allow_extra_args(false);
+  verb->add_flag("--yes", a.study.yes, "also for more than 100000 runs");
+  verb->footer(
+      "A study that was interrupted or killed goes on where it was when the same command is given again.\n"
+      "Examples:\n"
+      "  gaitcam study scenarios/studies/exposure.yaml\n"
+      "  gaitcam study my_study.yaml --out studies/mine -j 8 --json\n"
+      "  gaitcam study my_study.yaml --executor slurm --sbatch=--partition=long");
+}
+
 /// The verb that was chosen, carried out.
 int Dispatch(const CLI::App& app, Arguments& a) {
   if (app.got_subcommand("run")) return RunCommand(a.run, a.common);
@@ -120,6 +142,7 @@ int Dispatch(const CLI::App& app, Arguments& a) {
   if (app.got_subcommand("score")) return ScoreCommand(a.score, a.common);
   if (app.got_subcommand("features")) return FeaturesCommand(a.features, a.common);
   if (app.got_subcommand("validate")) return ValidateCommand(a.validate, a.common);
+  if (app.got_subcommand("study")) return StudyCommand(a.study, a.common);
   if (app.got_subcommand("work")) return WorkCommand(a.work, a.common);
   if (app.got_subcommand("list")) return ListCommand(a.common);
   return DoctorCommand(a.common);
@@ -147,6 +170,7 @@ int CommandLine(int argc, char** argv) {
   AddTrack(app, a);
   AddScore(app, a);
   AddFeatures(app, a);
+  AddStudy(app, a);
   AddWork(app, a);
   CLI::App* validate = app.add_subcommand("validate", "read a scenario as run would, and say what is wrong");
   AddScenario(*validate, a.validate);

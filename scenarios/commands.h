@@ -79,6 +79,17 @@ struct WorkArguments {
 };
 int WorkCommand(const WorkArguments& arguments, const CommonOptions& common);
 
+struct StudyArguments {
+  std::filesystem::path file;
+  std::filesystem::path out;  ///< Empty: studies/NAME.
+  int jobs = 0;               ///< Runs at once; 0: one per core.
+  CacheArguments cache;
+  std::string executor = "local";
+  std::vector<std::string> sbatch;  ///< Further words for Slurm's sbatch.
+  bool yes = false;                 ///< Also more runs than anybody wants by mistake.
+};
+int StudyCommand(const StudyArguments& arguments, const CommonOptions& common);
+
 int ValidateCommand(const ScenarioArguments& scenario, const CommonOptions& common);
 int ListCommand(const CommonOptions& common);
 int DoctorCommand(const CommonOptions& common);

@@ -73,11 +73,45 @@ ResolvedScenario Resolve(const YamlNode& root, const ExperimentOptions& options,
   try {
     return ReadScenario(base, assignments, &shelf);
   } catch (const BadInput& e) {
-    root.Fail(e.what());
+    FailAtCondition(root, options, levels, e.what());
   }
 }
 
+/// What a message says of a key, if it is about that one: "--set KEY=VALUE: what", or "KEY: what". Empty if not.
+std::string AboutKey(const std::string& message, const std::string& key, const std::string& value) {
+  const std::string set = "--set " + key + "=" + value + ": ";
+  if (message.starts_with(set)) return message.substr(set.size());
+  return message.starts_with(key + ":") || message.starts_with(key + ".") ? message : "";
+}
+
+/// Where a level stands: in its axis, or in the entry of the list that has all of them.
+YamlNode PlaceOfLevel(const YamlNode& root, const ExperimentOptions& options, const Assignments& levels, size_t i) {
+  const auto& [key, value] = levels[i];
+  for (const auto& [axis, values] : options.axes) {
+    if (axis != key) continue;
+    const auto it = std::find(values.begin(), values.end(), value);
+    return root.Child("axes").Child(axis).Element(size_t(it - values.begin()));
+  }
+  for (size_t entry = 0; entry < options.list.size(); ++entry) {
+    if (options.list[entry] == levels) return root.Child("list").Element(entry).Child(key);
+  }
+  return root;
+}
+
 }  // namespace
+
+void FailAtCondition(const YamlNode& root, const ExperimentOptions& options, const Assignments& levels,
+                     const std::string& message) {
+  for (size_t i = 0; i < levels.size(); ++i) {
+    const std::string what = AboutKey(message, levels[i].first, levels[i].second);
+    if (!what.empty()) PlaceOfLevel(root, options, levels, i).Fail(what);
+  }
+  for (const auto& [key, value] : options.set) {
+    const std::string what = AboutKey(message, key, value);
+    if (!what.empty()) root.Child("set").Child(key).Fail(what);
+  }
+  root.Child("base").Fail(message);
+}
 
 void ReadYaml(const YamlNode& node, Assignments& value) {
   if (!node.node().IsMap()) node.Fail("expected a map of a scenario's keys and values");

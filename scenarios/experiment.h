@@ -89,6 +89,11 @@ constexpr size_t kMaxRunsUnasked = 100000;
 /// scenario can be made of, both or neither of axes and list, more than kMaxRunsUnasked runs without `yes`.
 Experiment ResolveExperiment(const YamlNode& root, const ExperimentOptions& options, bool yes);
 
+/// Says what is wrong with a condition where the file gives it: at the level, the key of `set`, or the base that the
+/// message names ("--set KEY=VALUE: ...", "KEY: ...").
+[[noreturn]] void FailAtCondition(const YamlNode& root, const ExperimentOptions& options, const Assignments& levels,
+                                  const std::string& message);
+
 /// "camera.exposure_ms" -> "exposure_ms".
 std::string ShortKey(const std::string& key);
 
