@@ -85,7 +85,7 @@ void FloorGuess::Update(const LandmarkMap& map, const Pose& X_WC, RandomStream& 
     if (p_C.y() > 0) points.push_back(p_C);
   }
   const auto plane = FindFloor(points, random);
-  if (!plane) return;
+  if (!plane) return FindStanding(map, X_WC);
   const Eigen::Vector3d normal_W = X_WC.rotation * plane->normal;
   if (!height_) {
     height_ = plane->height;
@@ -94,6 +94,38 @@ void FloorGuess::Update(const LandmarkMap& map, const Pose& X_WC, RandomStream& 
     constexpr double kFollow = 0.2;  // of each new normal: turns of the map drift slowly
     normal_W_ = ((1 - kFollow) * normal_W_ + kFollow * normal_W).normalized();
   }
+  FindStanding(map, X_WC);
+}
+
+void FloorGuess::FindStanding(const LandmarkMap& map, const Pose& X_WC) {
+  standing_.clear();
+  if (!height_) return;
+  constexpr double kWellAbove = 0.2, kWellKnown = 0.1;  // parts of the camera's height and of the inverse depth
+  for (const Landmark& landmark : map.landmarks()) {
+    if (landmark.observations.empty() || !(landmark.rho_sigma < kWellKnown * landmark.rho)) continue;
+    const Eigen::Vector3d p_W = map.Place(landmark);
+    if (normal_W_.dot(p_W - X_WC.translation) + *height_ > kWellAbove * *height_) standing_.push_back(p_W);
+  }
+}
+
+bool FloorGuess::IsHidden(const Pose& X_WC, const Eigen::Vector3d& floor_point_W) const {
+  const auto level = [&](const Eigen::Vector3d& p_W) -> Eigen::Vector3d {
+    const Eigen::Vector3d v = p_W - X_WC.translation;
+    return v - normal_W_.dot(v) * normal_W_;
+  };
+  const Eigen::Vector3d to_floor = level(floor_point_W);
+  const double distance = to_floor.norm();
+  constexpr double kAside = 0.1, kBefore = 0.9;  // tangent of the angle aside; part of the floor point's distance
+  constexpr int kEnough = 3;                     // one may be wrong
+  int before = 0;
+  for (const Eigen::Vector3d& p_W : standing_) {
+    const Eigen::Vector3d v = level(p_W);
+    const double along = v.dot(to_floor) / distance;
+    if (along <= 0 || along > kBefore * distance) continue;
+    const double aside = std::sqrt(std::max(0.0, v.squaredNorm() - along * along));
+    if (aside < kAside * along && ++before >= kEnough) return true;
+  }
+  return false;
 }
 
 std::optional<DepthGuess> FloorGuess::At(const Pose& X_WC, const Eigen::Vector2d& xy) const {
@@ -103,7 +135,7 @@ std::optional<DepthGuess> FloorGuess::At(const Pose& X_WC, const Eigen::Vector2d
   const double sigma = std::hypot(kHeightSpread * rho, tilt);
   constexpr double kUseful =
       0.25;  // a guess vaguer than this, part of itself, is none: the feature is near the horizon
-  if (!(sigma < kUseful * rho)) return {};
+  if (!(sigma < kUseful * rho) || IsHidden(X_WC, X_WC.translation + ray / rho)) return {};
   return DepthGuess{rho, sigma};
 }
 

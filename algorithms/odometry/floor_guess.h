@@ -32,19 +32,26 @@ class FloorGuess {
   /// height for good; later ones follow the normal alone.
   void Update(const LandmarkMap& map, const Pose& X_WC, RandomStream& random);
 
-  /// Inverse depth of a feature if it lies on the floor; nothing above or near the horizon, or where no floor was
-  /// found.
+  /// Inverse depth of a feature if it lies on the floor; nothing above or near the horizon, where no floor was found,
+  /// or where something known stands before it: a wall's foot hides what is behind it.
   std::optional<DepthGuess> At(const Pose& X_WC, const Eigen::Vector2d& xy) const;
 
   /// Forgets the height: a new map has a new unit.
-  void Clear() { height_.reset(); }
+  void Clear() {
+    height_.reset();
+    standing_.clear();
+  }
 
   std::optional<double> height() const { return height_; }  ///< Of the camera over the floor, in the map's unit.
   const Eigen::Vector3d& normal() const { return normal_W_; }
 
  private:
+  void FindStanding(const LandmarkMap& map, const Pose& X_WC);
+  bool IsHidden(const Pose& X_WC, const Eigen::Vector3d& floor_point_W) const;
+
   std::optional<double> height_;
   Eigen::Vector3d normal_W_ = Eigen::Vector3d::Zero();  ///< Up.
+  std::vector<Eigen::Vector3d> standing_;               ///< Known places well above the floor, in W.
 };
 
 }  // namespace gaitcam
