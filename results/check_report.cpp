@@ -1,0 +1,243 @@
+#include "results/check_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace gaitcam {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string SpreadText(const Spread& spread) {
+  if (!std::isfinite(spread.median)) return "-";
+  return fmt::format("{} ({}..{})", ScoreText(spread.median), ScoreText(spread.low), ScoreText(spread.high));
+}
+
+/// "+0.0123": positive is worse.
+std::string ShiftText(double value) {
+  if (!std::isfinite(value)) return "-";
+  return (value > 0 ? "+" : "") + ScoreText(value);
+}
+
+std::string SignificanceText(const MetricVerdict& m) {
+  if (!std::isfinite(m.p_worse)) {
+    if (!std::isfinite(m.interval.low)) return "-";
+    return fmt::format("{} to {}", ShiftText(m.interval.low), ShiftText(m.interval.high));
+  }
+  return fmt::format("{:.4f}", m.p_worse);
+}
+
+std::string PairsText(const MetricVerdict& m) {
+  return m.left_out == 0 ? fmt::format("{}", m.pairs) : fmt::format("{} of {}", m.pairs, m.pairs + m.left_out);
+}
+
+std::string VerdictText(const MetricVerdict& m) {
+  return ToString(m.outcome) + (m.reason.empty() ? "" : ": " + m.reason);
+}
+
+std::string NameText(const MetricVerdict& m) {
+  return m.metric.name + (m.metric.better == Better::kNearOne    ? " (to 1)"
+                          : m.metric.better == Better::kNearZero ? " (to 0)"
+                                                                 : "");
+}
+
+Rows RowsOf(const CheckReport& report) {
+  Rows rows{{"scenario", "system", "metric", "baseline (range)", "now (range)", "worse by", "margin", "p", "pairs",
+             "verdict"}};
+  for (const EntryVerdict& entry : report.entries) {
+    for (const MetricVerdict& m : entry.metrics) {
+      rows.push_back({entry.scenario, entry.system, NameText(m), SpreadText(m.before), SpreadText(m.now),
+                      ShiftText(m.worse_by), ScoreText(m.margin), SignificanceText(m), PairsText(m), VerdictText(m)});
+    }
+  }
+  return rows;
+}
+
+std::vector<std::string> LostLines(const CheckReport& report) {
+  std::vector<std::string> lines;
+  for (const EntryVerdict& entry : report.entries) {
+    for (const LostRun& lost : entry.lost)
+      lines.push_back(
+          fmt::format("lost: {} with {}, seed {}: {}", entry.scenario, entry.system, lost.seed, lost.reason));
+  }
+  return lines;
+}
+
+int Count(const CheckReport& report, Outcome outcome) {
+  int count = 0;
+  for (const EntryVerdict& entry : report.entries) {
+    count += int(std::count_if(entry.metrics.begin(), entry.metrics.end(),
+                               [&](const MetricVerdict& m) { return m.outcome == outcome; }));
+  }
+  return count;
+}
+
+std::string Xml(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default:
+        out += (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') ? ' ' : c;  // XML 1.0 has no others
+    }
+  }
+  return out;
+}
+
+std::string NumbersLine(const MetricVerdict& m) {
+  return fmt::format("baseline {}, now {}, worse by {} (margin {}), p {}, pairs {}", SpreadText(m.before),
+                     SpreadText(m.now), ShiftText(m.worse_by), ScoreText(m.margin), SignificanceText(m), PairsText(m));
+}
+
+std::string JUnitCase(const CheckReport& report, const EntryVerdict& entry, const MetricVerdict& m) {
+  std::string text =
+      fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"0\">\n",
+                  Xml(fmt::format("gaitcam.{}.{}.{}", report.suite, entry.scenario, entry.system)), Xml(m.metric.name));
+  const std::string message = Xml(m.reason.empty() ? NumbersLine(m) : m.reason), body = Xml(NumbersLine(m));
+  if (m.outcome == Outcome::kRegression) {
+    text += fmt::format("      <failure type=\"regression\" message=\"{}\">{}</failure>\n", message, body);
+  } else if (m.outcome == Outcome::kTooFewPairs) {
+    text += fmt::format("      <error type=\"too few pairs\" message=\"{}\">{}</error>\n", message, body);
+  } else if (m.outcome == Outcome::kNotJudged) {
+    text += fmt::format("      <skipped message=\"{}\"/>\n", message);
+  }
+  return text + fmt::format("      <system-out>{}</system-out>\n    </testcase>\n", body);
+}
+
+nlohmann::ordered_json ToJson(const Spread& spread) {
+  return {{"median", spread.median}, {"low", spread.low}, {"high", spread.high}};
+}
+
+nlohmann::ordered_json ToJson(const MetricVerdict& m) {
+  nlohmann::ordered_json json{{"metric", m.metric.name},
+                              {"unit", m.metric.unit},
+                              {"verdict", ToString(m.outcome)},
+                              {"reason", m.reason},
+                              {"baseline", ToJson(m.before)},
+                              {"now", ToJson(m.now)},
+                              {"worse_by", m.worse_by},
+                              {"margin", m.margin},
+                              {"p_worse", m.p_worse},
+                              {"p_better", m.p_better},
+                              {"pairs", m.pairs},
+                              {"left_out", m.left_out}};
+  if (!std::isfinite(m.p_worse)) json["interval"] = {m.interval.low, m.interval.high};
+  return json;
+}
+
+}  // namespace
+
+std::string CheckSummary(const CheckReport& report) {
+  const int regressions = Count(report, Outcome::kRegression), few = Count(report, Outcome::kTooFewPairs);
+  const int improved = Count(report, Outcome::kImprovement);
+  if (regressions > 0) {
+    for (const EntryVerdict& entry : report.entries) {
+      for (const MetricVerdict& m : entry.metrics) {
+        if (m.outcome != Outcome::kRegression) continue;
+        const std::string more = regressions > 1 ? fmt::format(" and {} more", regressions - 1) : "";
+        return fmt::format("REGRESSION: {} of {} on {}{}", m.metric.name, entry.system, entry.scenario, more);
+      }
+    }
+  }
+  if (report.entries.empty()) return "NOT EVALUATED: nothing was compared";
+  if (few > 0) return fmt::format("NOT EVALUATED: {} metric{} with too few pairs", few, few == 1 ? "" : "s");
+  if (improved > 0) {
+    return fmt::format(
+        "pass, and {} metric{} improved beyond the margin: accept that with --update, or the gate will "
+        "not notice when it is lost again",
+        improved, improved == 1 ? "" : "s");
+  }
+  return "pass";
+}
+
+std::string CheckTable(const CheckReport& report) {
+  const Rows rows = RowsOf(report);
+  std::vector<size_t> widths(rows.front().size(), 0);
+  for (const auto& row : rows) {
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (size_t i = 0; i < row.size(); ++i) {
+      const bool right = i >= 5 && i <= 8;  // numbers
+      line += right ? fmt::format("{:>{}}", row[i], widths[i]) : fmt::format("{:<{}}", row[i], widths[i]);
+      line += "  ";
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  for (const std::string& line : LostLines(report)) text += line + "\n";
+  for (const std::string& note : report.notes) text += "note: " + note + "\n";
+  text += fmt::format("{}: {}: {} runs ({} reused) in {:.0f} s\n", report.suite, CheckSummary(report), report.runs,
+                      report.reused, report.wall_s);
+  return text;
+}
+
+std::string MarkdownTable(const Rows& rows) {
+  std::string text;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    text += "|";
+    for (const std::string& cell : rows[i]) {
+      std::string safe;
+      for (const char c : cell) safe += c == '|' ? "\\|" : c == '\n' ? std::string(" ") : std::string(1, c);
+      text += " " + safe + " |";
+    }
+    text += "\n";
+    if (i > 0) continue;
+    text += "|";
+    for (size_t k = 0; k < rows[0].size(); ++k) text += "---|";
+    text += "\n";
+  }
+  return text;
+}
+
+std::string CheckMarkdown(const CheckReport& report) {
+  std::string text = fmt::format("## gaitcam check {}: {}\n\n", report.suite, CheckSummary(report));
+  text += MarkdownTable(RowsOf(report)) + "\n";
+  for (const std::string& line : LostLines(report)) text += "- " + line + "\n";
+  for (const std::string& note : report.notes) text += "- note: " + note + "\n";
+  text += fmt::format("- {} runs, {} of them reused, {:.0f} s\n", report.runs, report.reused, report.wall_s);
+  return text;
+}
+
+std::string CheckJson(const CheckReport& report) {
+  nlohmann::ordered_json json{
+      {"schema", "gaitcam.check.1"},     {"suite", report.suite}, {"exit_code", ExitCodeOf(report.entries)},
+      {"summary", CheckSummary(report)}, {"notes", report.notes}, {"entries", nlohmann::ordered_json::array()}};
+  for (const EntryVerdict& entry : report.entries) {
+    nlohmann::ordered_json one{{"scenario", entry.scenario}, {"system", entry.system}};
+    one["lost"] = nlohmann::ordered_json::array();
+    for (const LostRun& lost : entry.lost) one["lost"].push_back({{"seed", lost.seed}, {"reason", lost.reason}});
+    for (const MetricVerdict& m : entry.metrics) one["metrics"].push_back(ToJson(m));
+    json["entries"].push_back(one);
+  }
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string CheckJUnit(const CheckReport& report) {
+  size_t tests = 0;
+  for (const EntryVerdict& entry : report.entries) tests += entry.metrics.size();
+  const std::string counts =
+      fmt::format("tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3f}\"", tests,
+                  Count(report, Outcome::kRegression), Count(report, Outcome::kTooFewPairs),
+                  Count(report, Outcome::kNotJudged), report.wall_s);
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+  text += fmt::format("<testsuites name=\"gaitcam check\" {}>\n  <testsuite name=\"{}\" {}>\n", counts,
+                      Xml(report.suite), counts);
+  for (const EntryVerdict& entry : report.entries) {
+    for (const MetricVerdict& m : entry.metrics) text += JUnitCase(report, entry, m);
+  }
+  std::string notes;
+  for (const std::string& line : LostLines(report)) notes += line + "\n";
+  for (const std::string& note : report.notes) notes += "note: " + note + "\n";
+  text += fmt::format("    <system-out>{}</system-out>\n  </testsuite>\n</testsuites>\n", Xml(notes));
+  return text;
+}
+
+}  // namespace gaitcam
