@@ -5,11 +5,12 @@
 #include <optional>
 
 #include "algorithms/core/random.h"
-#include "algorithms/geometry/absolute_pose.h"
 #include "algorithms/geometry/relative_motion.h"
 #include "algorithms/geometry/robust.h"
 #include "algorithms/geometry/triangulation.h"
 #include "algorithms/geometry/two_view.h"
+#include "algorithms/odometry/landmark_map.h"
+#include "algorithms/odometry/landmark_pose.h"
 
 namespace gaitcam {
 namespace {
@@ -23,18 +24,17 @@ double Median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// One thing in the world: the rays of chosen frames that saw it and, once these meet at an angle, where it is.
-struct Landmark {
-  std::vector<RayObservation> rays;
-  std::optional<Eigen::Vector3d> p_W;
-};
+/// What the steps of a pair have placed is not moved any more.
+LandmarkMapOptions MapOptions(const FrameToFrameVoOptions& o) {
+  LandmarkMapOptions options;
+  options.window = o.placing == "two_view" ? 0 : o.window;
+  options.adjust_iterations = 10;
+  options.memory = o.memory;
+  return options;
+}
 
-/// A frame's features and their rays.
-struct View {
-  Features features;
-  std::vector<Eigen::Vector2d> xy;  ///< Undistorted normalised coordinates, one per feature.
-  Pose X_WC;
-};
+/// Nothing is known of a place before it is seen twice.
+std::optional<DepthGuess> NoGuess(const Pose&, const Eigen::Vector2d&) { return {}; }
 
 }  // namespace
 
@@ -45,27 +45,32 @@ class FrameToFrameVo::Tracker {
         options_(options),
         detector_(MakeFeature2d(options.feature, options.sensitivity)),
         random_(seed, "frame_to_frame_vo"),
-        threshold_(options.threshold_px / camera.fx) {}
+        threshold_(options.threshold_px / camera.fx),
+        map_(MapOptions(options)) {}
 
   FrameEstimate Track(const Observation& observation);
 
  private:
-  View Look(const cv::Mat& image) const;
-  std::vector<Match> MatchWithChosen(const View& view) const;
-  std::vector<PointPair> PairsOf(const View& view, const std::vector<Match>& matches) const;
+  FrameView Look(const cv::Mat& image) const;
+  std::vector<Match> MatchWithChosen(const FrameView& view) const;
+  std::vector<PointPair> PairsOf(const FrameView& view, const std::vector<Match>& matches) const;
   RansacOptions Robustly() const;
+  LandmarkPoseOptions ByPoints() const;
 
-  bool Start(View& view, const std::vector<Match>& matches);
-  bool BeginReconstruction(View& view, const std::vector<Match>& matches, const TwoView& two_view);
-  bool Follow(View& view, const std::vector<Match>& matches);
-  bool PlaceByPoints(View& view, const std::vector<Match>& matches);
-  bool PlaceByTwoViews(View& view, const std::vector<Match>& matches);
-  std::optional<double> ScaleFromCommonPoints(const View& view, const std::vector<Match>& matches,
+  bool Start(FrameView& view);
+  bool BeginReconstruction(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
+  bool Follow(FrameView& view);
+  bool PlaceByPoints(FrameView& view);
+  bool PlaceByTwoViews(FrameView& view);
+  std::optional<double> ScaleFromCommonPoints(const FrameView& view, const std::vector<Match>& matches,
                                               const TwoView& two_view);
   TwoView Reconstruct(const std::vector<PointPair>& pairs);
-  bool MakesAPair(const View& view) const;
-  void Choose(View view, const std::vector<Match>& matches);
-  bool Triangulate(Landmark& landmark) const;
+  bool IsPairDue(const FrameView& view) const;
+  bool MakesAPair(const FrameView& view);
+  void Choose(FrameView view);
+  std::vector<std::optional<double>> DepthsOfPair(const FrameView& view) const;
+  std::optional<double> Depth(const Pose& X_AB, const PointPair& pair) const;
+  void GiveUp();
 
   CameraModel camera_;
   FrameToFrameVoOptions options_;
@@ -73,10 +78,14 @@ class FrameToFrameVo::Tracker {
   RandomStream random_;
   double threshold_;  ///< Normalised coordinates.
 
-  std::optional<View> chosen_;       ///< The last chosen frame: first view of the next pair.
-  std::vector<Landmark> landmarks_;  ///< One per feature of it.
-  int points_ = 0;                   ///< Landmarks with a place; 0: no reconstruction yet.
-  std::vector<int> inliers_;         ///< Features of the chosen frame that agree with the present pose.
+  std::optional<FrameView> chosen_;            ///< The last chosen frame: first view of the next pair.
+  std::vector<std::optional<double>> depths_;  ///< two_view: of its features, as the last pair has them.
+  LandmarkMap map_;                            ///< The points that the latest chosen frames saw.
+  bool has_points_ = false;                    ///< false: no reconstruction yet.
+  std::vector<LandmarkMatch> inliers_;         ///< That agree with the present pose.
+  int most_inliers_ = 0;                       ///< Of a frame since the last chosen one.
+  double usual_inliers_ = 0;                   ///< Per frame, lately.
+  int waiting_frames_ = 0;                     ///< Since a pair was due.
 
   std::optional<Pose> X_WC_last_;  ///< Last known pose, over all restarts.
   double median_depth_ = 1;        ///< In the last chosen frame; the unit when a path begins.
@@ -88,51 +97,55 @@ class FrameToFrameVo::Tracker {
 FrameEstimate FrameToFrameVo::Tracker::Track(const Observation& observation) {
   FrameEstimate answer;
   answer.stamp_ns = observation.stamp_ns;
-  View view = Look(observation.image.pixels);
+  FrameView view = Look(observation.image.pixels);
   answer.features = view.features.size();
-  const bool had_points = points_ > 0;
-  const std::vector<Match> matches = MatchWithChosen(view);
-  const bool found = had_points ? Follow(view, matches) : Start(view, matches);
+  inliers_.clear();
+  const bool had_points = has_points_;
+  const bool found = had_points ? Follow(view) : Start(view);
   answer.inliers = int(inliers_.size());
-  if (found) {
-    lost_frames_ = 0;
-    answer.status = TrackingStatus::kTracking;
-    answer.pose = view.X_WC;
-    answer.restarted = !had_points && X_WC_last_.has_value();
-    X_WC_last_ = view.X_WC;
-    if (!had_points || MakesAPair(view)) Choose(std::move(view), matches);
+  if (!found) {
+    answer.status = X_WC_last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
+    if (had_points && ++lost_frames_ > options_.max_lost_frames) GiveUp();
     return answer;
   }
-  answer.status = X_WC_last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
-  if (had_points && ++lost_frames_ > options_.max_lost_frames) {
-    chosen_.reset();
-    points_ = 0;
+  lost_frames_ = 0;
+  answer.status = TrackingStatus::kTracking;
+  answer.pose = view.X_WC;
+  answer.restarted = !had_points && X_WC_last_.has_value();
+  X_WC_last_ = view.X_WC;
+  if (!had_points) return answer;
+  if (MakesAPair(view)) {
+    Choose(std::move(view));
+  } else {
+    map_.Refresh(view, inliers_);
   }
   return answer;
 }
 
 /// Step 1.
-View FrameToFrameVo::Tracker::Look(const cv::Mat& image) const {
+FrameView FrameToFrameVo::Tracker::Look(const cv::Mat& image) const {
   if (image.cols != camera_.width_px || image.rows != camera_.height_px) {
     throw BadInput("the frame has " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
                    " pixels, but the calibration says " + std::to_string(camera_.width_px) + " x " +
                    std::to_string(camera_.height_px));
   }
-  View view;
+  FrameView view;
   view.features = DetectFeatures(*detector_, image, options_.max_features);
   for (const cv::KeyPoint& keypoint : view.features.keypoints) {
     view.xy.push_back(camera_.Unproject({keypoint.pt.x, keypoint.pt.y}).head<2>());
+    view.sigma.push_back((options_.sigma_px + options_.sigma_per_size * keypoint.size) / camera_.fx);
   }
   return view;
 }
 
 /// Step 2.
-std::vector<Match> FrameToFrameVo::Tracker::MatchWithChosen(const View& view) const {
+std::vector<Match> FrameToFrameVo::Tracker::MatchWithChosen(const FrameView& view) const {
   if (!chosen_) return {};
   return MatchDescriptors(chosen_->features.descriptors, view.features.descriptors, options_.matching);
 }
 
-std::vector<PointPair> FrameToFrameVo::Tracker::PairsOf(const View& view, const std::vector<Match>& matches) const {
+std::vector<PointPair> FrameToFrameVo::Tracker::PairsOf(const FrameView& view,
+                                                        const std::vector<Match>& matches) const {
   std::vector<PointPair> pairs;
   for (const Match& match : matches) pairs.push_back({chosen_->xy[size_t(match.a)], view.xy[size_t(match.b)]});
   return pairs;
@@ -143,6 +156,18 @@ RansacOptions FrameToFrameVo::Tracker::Robustly() const {
   robustly.estimator = options_.estimator;
   robustly.outlier_span = camera_.width_px / camera_.fx;  // a mismatch may lie anywhere in the image
   return robustly;
+}
+
+LandmarkPoseOptions FrameToFrameVo::Tracker::ByPoints() const {
+  LandmarkPoseOptions options;
+  options.search.radius = options_.search_deg * kRadPerDeg;
+  options.search.ratio = options_.matching.ratio;
+  options.search.same_place = 2 / camera_.fx;  // px
+  options.threshold = 1.5 * threshold_;        // the points have their own error
+  options.min_inliers = options_.min_matches;
+  options.confidence = options_.ransac_confidence;
+  options.iterations = options_.ransac_iterations;
+  return options;
 }
 
 /// Steps 3 to 5: hypotheses from five pairs, the best by distances from epipolar lines, the decomposition with most
@@ -157,8 +182,8 @@ TwoView FrameToFrameVo::Tracker::Reconstruct(const std::vector<PointPair>& pairs
 
 /// Without a reconstruction: waits until the camera has moved enough since the chosen frame to see parallax. A few
 /// frames that cannot be matched (blurred, covered) do not matter.
-bool FrameToFrameVo::Tracker::Start(View& view, const std::vector<Match>& matches) {
-  inliers_.clear();
+bool FrameToFrameVo::Tracker::Start(FrameView& view) {
+  const std::vector<Match> matches = MatchWithChosen(view);
   ++start_frames_;
   TwoView two_view;
   if (int(matches.size()) >= options_.min_start_points) two_view = Reconstruct(PairsOf(view, matches));
@@ -183,56 +208,55 @@ bool FrameToFrameVo::Tracker::Start(View& view, const std::vector<Match>& matche
   return true;
 }
 
-/// Triangulates the inliers; the unit is such that their median depth is that of the path before (1 at first).
-bool FrameToFrameVo::Tracker::BeginReconstruction(View& view, const std::vector<Match>& matches,
+/// The two frames' common points; the unit is such that their median depth is that of the path before (1 at first).
+bool FrameToFrameVo::Tracker::BeginReconstruction(FrameView& view, const std::vector<Match>& matches,
                                                   const TwoView& two_view) {
-  std::vector<Landmark> landmarks(chosen_->xy.size());
-  std::vector<double> depths;
+  std::vector<LandmarkMatch> pairs;
+  std::vector<std::optional<double>> depths;
+  std::vector<double> known;
   for (const int i : two_view.inliers) {
     const Match& match = matches[size_t(i)];
-    Landmark& landmark = landmarks[size_t(match.a)];
-    landmark.rays = {{Pose(), chosen_->xy[size_t(match.a)]}, {two_view.X_AB, view.xy[size_t(match.b)]}};
-    if (!Triangulate(landmark)) continue;
-    depths.push_back(landmark.p_W->z());
-    inliers_.push_back(match.a);
+    depths.push_back(Depth(two_view.X_AB, {chosen_->xy[size_t(match.a)], view.xy[size_t(match.b)]}));
+    if (depths.back()) known.push_back(*depths.back());
+    pairs.push_back({match.a, match.b});
   }
-  if (int(depths.size()) < options_.min_start_points) return false;
-  const double unit = median_depth_ / Median(depths);
+  if (int(known.size()) < options_.min_start_points) return false;
+  const double unit = median_depth_ / Median(known);
   chosen_->X_WC = X_WC_last_.value_or(Pose());
   view.X_WC = chosen_->X_WC * Pose(two_view.X_AB.rotation, unit * two_view.X_AB.translation);
-  for (size_t i = 0; i < landmarks.size(); ++i) {
-    landmarks[i].rays = {{chosen_->X_WC, chosen_->xy[i]}};  // the present frame's ray joins when it is chosen
-    if (landmarks[i].p_W) landmarks[i].p_W = chosen_->X_WC * (unit * *landmarks[i].p_W);
+  map_.AddKeyframe(*chosen_, {}, median_depth_, NoGuess);  // its features are the map's landmarks now, in order
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (depths[i]) map_.SetDepth(pairs[i].landmark, 1 / (unit * *depths[i]));
   }
-  landmarks_ = std::move(landmarks);
+  inliers_ = pairs;
+  has_points_ = true;
+  Choose(view);
   return true;
 }
 
 /// With a reconstruction: the pose from its points and, where the frame makes a pair, from the two views.
-bool FrameToFrameVo::Tracker::Follow(View& view, const std::vector<Match>& matches) {
-  const bool placed = PlaceByPoints(view, matches);
-  if (options_.placing == "points" || (placed && !MakesAPair(view))) return placed;
-  return PlaceByTwoViews(view, matches) || placed;
+bool FrameToFrameVo::Tracker::Follow(FrameView& view) {
+  const bool placed = PlaceByPoints(view);
+  if (options_.placing == "points" || (placed && !IsPairDue(view))) return placed;
+  return PlaceByTwoViews(view) || placed;
 }
 
-bool FrameToFrameVo::Tracker::PlaceByPoints(View& view, const std::vector<Match>& matches) {
-  std::vector<PointSighting> sightings;
-  std::vector<int> feature;
-  for (const Match& match : matches) {
-    const Landmark& landmark = landmarks_[size_t(match.a)];
-    if (!landmark.p_W) continue;
-    sightings.push_back({*landmark.p_W, view.xy[size_t(match.b)]});
-    feature.push_back(match.a);
+/// A frame that is blurred more than its features can tell places them badly: where nothing agrees, a second look
+/// expects more noise.
+bool FrameToFrameVo::Tracker::PlaceByPoints(FrameView& view) {
+  for (const double noise : {1.0, options_.blurred_noise}) {
+    const auto placed = PlaceByLandmarks(map_, view, X_WC_last_.value_or(Pose()), noise, ByPoints(), random_);
+    if (!placed) continue;
+    view.X_WC = placed->X_WC;
+    inliers_ = placed->inliers;
+    return true;
   }
-  const auto found = EstimateAbsolutePose(sightings, Robustly(), random_, X_WC_last_);
-  inliers_.clear();
-  for (const int i : found.inliers) inliers_.push_back(feature[size_t(i)]);
-  view.X_WC = found.model;
-  return int(inliers_.size()) >= options_.min_matches;
+  return false;
 }
 
 /// Steps 3 to 6 between the last chosen frame and this one. Leaves `view` alone where the two views do not tell.
-bool FrameToFrameVo::Tracker::PlaceByTwoViews(View& view, const std::vector<Match>& matches) {
+bool FrameToFrameVo::Tracker::PlaceByTwoViews(FrameView& view) {
+  const std::vector<Match> matches = MatchWithChosen(view);
   if (int(matches.size()) < options_.min_matches) return false;
   const TwoView two_view = Reconstruct(PairsOf(view, matches));
   if (two_view.inliers.empty() || two_view.rotation_only || two_view.alternative) return false;
@@ -240,25 +264,20 @@ bool FrameToFrameVo::Tracker::PlaceByTwoViews(View& view, const std::vector<Matc
   const std::optional<double> scale = ScaleFromCommonPoints(view, matches, two_view);
   if (!scale) return false;
   view.X_WC = chosen_->X_WC * Pose(two_view.X_AB.rotation, *scale * two_view.X_AB.translation);
-  inliers_.clear();
-  for (const int i : two_view.inliers) inliers_.push_back(matches[size_t(i)].a);
+  inliers_ = FindLandmarks(map_, view, ByPoints());
   return true;
 }
 
-/// Step 6: RANSAC on the ratios of depths in the chosen frame, of the reconstruction so far over that of the pair.
-std::optional<double> FrameToFrameVo::Tracker::ScaleFromCommonPoints(const View& view,
+/// Step 6: RANSAC on the ratios of depths in the chosen frame, of the pair before over that of this pair.
+std::optional<double> FrameToFrameVo::Tracker::ScaleFromCommonPoints(const FrameView& view,
                                                                      const std::vector<Match>& matches,
                                                                      const TwoView& two_view) {
-  const Pose X_CW = chosen_->X_WC.Inverse();
   std::vector<double> log_ratios;
   for (const int i : two_view.inliers) {
     const Match& match = matches[size_t(i)];
-    const std::optional<Eigen::Vector3d>& known = landmarks_[size_t(match.a)].p_W;
-    if (!known) continue;
-    Landmark landmark;
-    landmark.rays = {{Pose(), chosen_->xy[size_t(match.a)]}, {two_view.X_AB, view.xy[size_t(match.b)]}};
-    const double known_depth = (X_CW * *known).z();
-    if (known_depth > 0 && Triangulate(landmark)) log_ratios.push_back(std::log(known_depth / landmark.p_W->z()));
+    const std::optional<double> before = depths_[size_t(match.a)];
+    const auto depth = Depth(two_view.X_AB, {chosen_->xy[size_t(match.a)], view.xy[size_t(match.b)]});
+    if (before && depth) log_ratios.push_back(std::log(*before / *depth));
   }
   RansacOptions robustly = Robustly();
   robustly.threshold = options_.scale_tolerance;
@@ -271,53 +290,76 @@ std::optional<double> FrameToFrameVo::Tracker::ScaleFromCommonPoints(const View&
   return std::exp(mean);
 }
 
-bool FrameToFrameVo::Tracker::MakesAPair(const View& view) const {
+/// A pair is due once the points have moved, the camera has turned, or points are out of sight.
+bool FrameToFrameVo::Tracker::IsPairDue(const FrameView& view) const {
   if (options_.pair_displacement_px == 0) return true;
-  if (double(inliers_.size()) < options_.pair_overlap * points_) return true;
+  if (usual_inliers_ < options_.pair_overlap * most_inliers_) return true;
+  if (RotationAngle(chosen_->X_WC.rotation, view.X_WC.rotation) > options_.pair_turn_deg * kRadPerDeg) return true;
+  const Eigen::Vector3d baseline = view.X_WC.translation - chosen_->X_WC.translation;
   std::vector<double> angles;
-  for (const int i : inliers_) {
-    const std::optional<Eigen::Vector3d>& p_W = landmarks_[size_t(i)].p_W;
-    if (p_W) angles.push_back(ParallaxAngle(*p_W, {{chosen_->X_WC, {}}, {view.X_WC, {}}}));
+  for (const LandmarkMatch& match : inliers_) {
+    const Landmark& landmark = map_.landmarks()[size_t(match.landmark)];
+    const Eigen::Vector3d ray = map_.keyframes()[size_t(landmark.anchor)].rotation * landmark.ray.homogeneous();
+    angles.push_back(landmark.rho * ray.normalized().cross(baseline).norm() / landmark.ray.homogeneous().norm());
   }
   return angles.empty() || Median(angles) * camera_.fx > options_.pair_displacement_px;
 }
 
-/// Places what a landmark is, if its rays meet at an angle and agree.
-bool FrameToFrameVo::Tracker::Triangulate(Landmark& landmark) const {
-  const auto p_W = TriangulatePoint(landmark.rays);
-  if (!p_W || ParallaxAngle(*p_W, landmark.rays) < options_.min_parallax_deg * kRadPerDeg) return false;
-  for (const RayObservation& ray : landmark.rays) {
-    if (ReprojectionError(*p_W, ray) > threshold_) return false;
-  }
-  landmark.p_W = p_W;
-  return true;
+/// A pair that is due is made with the next frame that sees at least as many points as usual: one in the middle of a
+/// jerk would place all new points badly and see few of the old ones.
+bool FrameToFrameVo::Tracker::MakesAPair(const FrameView& view) {
+  const double inliers = double(inliers_.size());
+  constexpr double kForgetting = 0.1;
+  usual_inliers_ = usual_inliers_ > 0 ? (1 - kForgetting) * usual_inliers_ + kForgetting * inliers : inliers;
+  most_inliers_ = std::max(most_inliers_, int(inliers_.size()));
+  if (options_.pair_displacement_px == 0) return true;
+  if (waiting_frames_ == 0 && !IsPairDue(view)) return false;
+  ++waiting_frames_;
+  const bool in_danger = inliers < 2 * options_.min_matches;
+  return inliers >= usual_inliers_ || in_danger || waiting_frames_ > options_.max_wait_frames;
 }
 
-/// Frames are matched with `view` from now on. Landmarks that it sees gain a ray, which places them or sharpens their
-/// place; the others are forgotten.
-void FrameToFrameVo::Tracker::Choose(View view, const std::vector<Match>& matches) {
-  std::vector<Landmark> landmarks(view.xy.size());
-  for (size_t i = 0; i < landmarks.size(); ++i) landmarks[i].rays = {{view.X_WC, view.xy[i]}};
-  for (const Match& match : matches) {
-    const RayObservation here = {view.X_WC, view.xy[size_t(match.b)]};
-    Landmark landmark = landmarks_[size_t(match.a)];
-    if (landmark.p_W && ReprojectionError(*landmark.p_W, here) > threshold_) continue;  // not the same thing
-    landmark.rays.push_back(here);
-    if (int(landmark.rays.size()) > options_.max_rays) {
-      // The first stays, as the one farthest away; of two only, they are the present pair.
-      landmark.rays.erase(landmark.rays.begin() + (options_.max_rays > 2 ? 1 : 0));
-    }
-    Triangulate(landmark);
-    landmarks[size_t(match.b)] = std::move(landmark);
+/// Points that `view` sees gain a ray, which places them or sharpens their place; all else that it sees may become one.
+void FrameToFrameVo::Tracker::Choose(FrameView view) {
+  if (!inliers_.empty()) {
+    const double factor = std::clamp(NoiseFactor(map_, view, inliers_), 0.5, 3.0);
+    for (double& sigma : view.sigma) sigma *= factor;
   }
-  std::vector<double> depths;
-  for (const Landmark& landmark : landmarks) {
-    if (landmark.p_W) depths.push_back((view.X_WC.Inverse() * *landmark.p_W).z());
-  }
-  landmarks_ = std::move(landmarks);
-  points_ = int(depths.size());
-  if (!depths.empty()) median_depth_ = Median(depths);
+  map_.AddKeyframe(view, inliers_, median_depth_, NoGuess);
+  median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
+  if (options_.placing == "two_view") depths_ = DepthsOfPair(view);
   chosen_ = std::move(view);
+  most_inliers_ = waiting_frames_ = 0;
+  usual_inliers_ = 0;
+}
+
+/// What the pair of the chosen frame and `view` makes of the depths in `view`.
+std::vector<std::optional<double>> FrameToFrameVo::Tracker::DepthsOfPair(const FrameView& view) const {
+  std::vector<std::optional<double>> depths(view.xy.size());
+  const Pose X_BA = view.X_WC.Inverse() * chosen_->X_WC;
+  for (const Match& match : MatchWithChosen(view)) {
+    depths[size_t(match.b)] = Depth(X_BA, {view.xy[size_t(match.b)], chosen_->xy[size_t(match.a)]});
+  }
+  return depths;
+}
+
+/// In camera A, if the two rays meet at an angle and agree.
+std::optional<double> FrameToFrameVo::Tracker::Depth(const Pose& X_AB, const PointPair& pair) const {
+  const std::vector<RayObservation> rays = {{Pose(), pair.a}, {X_AB, pair.b}};
+  const auto p_A = TriangulatePoint(rays);
+  if (!p_A || ParallaxAngle(*p_A, rays) < options_.min_parallax_deg * kRadPerDeg) return {};
+  for (const RayObservation& ray : rays) {
+    if (ReprojectionError(*p_A, ray) > threshold_) return {};
+  }
+  return p_A->z();
+}
+
+/// The path will be begun anew.
+void FrameToFrameVo::Tracker::GiveUp() {
+  map_.Clear();
+  chosen_.reset();
+  has_points_ = false;
+  start_frames_ = start_misses_ = 0;
 }
 
 FrameToFrameVoOptions FrameToFrameVoOptions::WithFeature(const std::string& feature, double sensitivity) {

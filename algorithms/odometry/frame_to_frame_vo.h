@@ -3,12 +3,13 @@
 /// and the scale handed from one reconstruction to the next by the points they share. No motion model, no loop closure.
 ///
 /// Deviations from the thesis, each an option: a walking camera at 30 Hz moves by millimetres between frames, which
-/// leaves the direction of motion to the noise. So a frame becomes the second view of a reconstruction when its points
-/// have moved by `pair_displacement_px` (0: every frame, as in the thesis) or too few are left, and frames in between
-/// are placed by the reconstruction's points (resection). `placing` points places the second views so too, which was
-/// measured to drift several times less than two_view, steps 3 to 6; these steps then only begin a path. `refine`
-/// descends to the least Sampson error; `max_rays` above 2 sharpens points by all the pairs that saw them. The thesis
-/// itself: placing two_view, refine false, max_rays 2.
+/// leaves the direction of motion to the noise. So a frame is chosen as the second view of a reconstruction when its
+/// points have moved by `pair_displacement_px` (0: every frame, as in the thesis), and as one that sees well: what a
+/// blurred frame does not see is not thereby gone. Points are remembered for `memory` chosen frames, and all frames in
+/// between are placed by them (resection), each point weighed by what is known of its depth. `placing` points places
+/// the chosen frames so too, and refines the last `window` of them together with their points (bundle adjustment:
+/// without it, scale drifts by percents per metre); two_view, steps 3 to 6, then only begins a path. `refine` descends
+/// to the least Sampson error. The thesis itself: placing two_view, refine false, pair_displacement_px 0.
 ///
 /// The world frame W is the first chosen frame's camera frame, its unit the median depth there.
 
@@ -35,17 +36,27 @@ struct FrameToFrameVoOptions {
   double sensitivity = 4;            ///< The detector's own threshold is divided by this: blur asks for more.
   MatchingOptions matching;          ///< Step 2. Its fields are fields of these options.
   std::string estimator = "mlesac";  ///< Step 4: ransac | mlesac | preemptive.
-  double threshold_px = 2.0;         ///< Largest error of an inlier, px at the image centre.
+  double threshold_px = 2.0;         ///< Largest error of an inlier of two views, px at the image centre.
   bool refine = true;                ///< Least squares after step 5.
-  std::string placing = "points";    ///< How a second view is placed: two_view (steps 3 to 6) | points (resection).
+  std::string placing = "points";    ///< How a chosen frame is placed: two_view (steps 3 to 6) | points (resection).
   double max_direction_deg = 180;    ///< two_view: largest standard deviation of the direction; else by points.
-  double pair_displacement_px = 8;   ///< Median displacement, turning taken off, that makes a pair; 0: every frame.
-  double pair_overlap = 0.8;         ///< A frame that shares less than this part of the points makes a pair.
   double scale_tolerance = 0.1;      ///< Step 6: relative deviation of a depth ratio that agrees.
-  int max_rays = 12;                 ///< Views that a point is triangulated from: its first and the latest.
-  int min_matches = 10;              ///< With fewer inliers a frame has no pose.
+  double min_parallax_deg = 1.0;     ///< Step 6: a depth is a pair's when its rays meet at this angle.
+  int min_matches = 15;              ///< With fewer inliers a frame has no pose.
+
+  double sigma_px = 0.4;         ///< Standard deviation of where a feature is seen, px, for the smallest ...
+  double sigma_per_size = 0.05;  ///< ... and what each px of a keypoint's diameter adds to it.
+  double search_deg = 10;        ///< How far from where it was expected a point is looked for, before anywhere.
+  double blurred_noise = 2.5;    ///< Where no pose is agreed upon, a second look takes the noise for so much larger.
+
+  double pair_displacement_px = 8;  ///< Median displacement, turning taken off, that makes a pair; 0: every frame.
+  double pair_turn_deg = 12;        ///< So does a turn by this angle.
+  double pair_overlap = 0.6;        ///< So do frames that see less than this part of the points.
+  int max_wait_frames = 10;         ///< A pair that is due waits at most so long for a frame that sees well.
+  int window = 8;                   ///< points: chosen frames that are refined together with their points; 0: none.
+  int memory = 20;                  ///< Chosen frames after which a point that was not seen again is forgotten.
+
   int min_start_points = 40;         ///< Points that a new reconstruction needs.
-  double min_parallax_deg = 1.0;     ///< A point is triangulated when its rays meet at this angle.
   double start_parallax_deg = 0.5;   ///< Median angle between the rays of the two frames that begin the path.
   double start_direction_deg = 0.5;  ///< ... and largest standard deviation of their baseline's direction.
   int start_patience_frames = 30;    ///< After so many frames twice, then three times that deviation will do.
@@ -74,13 +85,20 @@ void VisitFields(Visitor& visit, FrameToFrameVoOptions& o) {
   visit("placing", o.placing, OneOf({"two_view", "points"}), "how a second view is placed");
   visit("max_direction_deg", o.max_direction_deg, Between(0.001, 180.0),
         "largest standard deviation of a two-view direction that is believed");
-  visit("pair_displacement_px", o.pair_displacement_px, Between(0.0, 1000.0), "median displacement that makes a pair");
-  visit("pair_overlap", o.pair_overlap, Between(0.0, 1.0), "part of points shared that makes a pair");
   visit("scale_tolerance", o.scale_tolerance, Between(0.001, 10.0), "relative deviation of a depth ratio that agrees");
-  visit("max_rays", o.max_rays, Between(2, 1000), "views that a point is triangulated from");
+  visit("min_parallax_deg", o.min_parallax_deg, Between(0.01, 45.0), "angle of the rays that give a pair's depth");
   visit("min_matches", o.min_matches, Between(6, 100000), "with fewer inliers a frame has no pose");
+  visit("sigma_px", o.sigma_px, Between(0.01, 100.0), "standard deviation of the smallest feature's place");
+  visit("sigma_per_size", o.sigma_per_size, Between(0.0, 10.0), "what each px of a keypoint's diameter adds");
+  visit("search_deg", o.search_deg, Between(0.1, 180.0), "how far from its prediction a point is looked for");
+  visit("blurred_noise", o.blurred_noise, Between(1.0, 100.0), "times the noise allowed where nothing agrees");
+  visit("pair_displacement_px", o.pair_displacement_px, Between(0.0, 1000.0), "median displacement that makes a pair");
+  visit("pair_turn_deg", o.pair_turn_deg, Between(0.1, 180.0), "turn that makes a pair");
+  visit("pair_overlap", o.pair_overlap, Between(0.0, 1.0), "part of points still seen that makes a pair");
+  visit("max_wait_frames", o.max_wait_frames, Between(0, 1000), "how long a due pair waits for a good frame");
+  visit("window", o.window, Between(0, 1000), "chosen frames refined together with their points");
+  visit("memory", o.memory, Between(1, 100000), "chosen frames until an unseen point is forgotten");
   visit("min_start_points", o.min_start_points, Between(8, 100000), "points that a new reconstruction needs");
-  visit("min_parallax_deg", o.min_parallax_deg, Between(0.01, 45.0), "angle of the rays that make a point");
   visit("start_parallax_deg", o.start_parallax_deg, Between(0.01, 45.0), "median angle that begins a path");
   visit("start_direction_deg", o.start_direction_deg, Between(0.001, 180.0),
         "largest standard deviation of the first baseline's direction");

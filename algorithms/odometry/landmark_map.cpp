@@ -1,5 +1,6 @@
 #include "algorithms/odometry/landmark_map.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -56,6 +57,7 @@ void LandmarkMap::Observe(int keyframe, const FrameView& view, const std::vector
     landmark.observations.push_back({keyframe, view.xy[i], view.sigma[i]});
     landmark.last_keyframe = keyframe;
     if (landmark.observations.size() == 1) Triangulate(landmark);
+    if (options_.window == 0) RefinePoint(landmark);
     view.features.descriptors.row(match.feature).copyTo(landmark.descriptor);
     landmark.descriptor.copyTo(landmark.latest);
   }
@@ -75,6 +77,35 @@ void LandmarkMap::Triangulate(Landmark& landmark) const {
                          prior * (landmark.rho - landmark.prior_rho);
     landmark.rho = std::max(0.0, landmark.rho - slope / (information + prior));
     landmark.rho_sigma = 1 / std::sqrt(information + prior);
+  }
+}
+
+/// Ray and inverse depth that fit all sightings best, the keyframes standing where they stand.
+void LandmarkMap::RefinePoint(Landmark& landmark) const {
+  constexpr int kSteps = 4;
+  const double ray_information = 1 / (landmark.sigma * landmark.sigma), vague = 10 * landmark.prior_rho;
+  for (int step = 0; step < kSteps; ++step) {
+    Eigen::Matrix3d H = Eigen::Vector3d(ray_information, ray_information, 1 / (vague * vague)).asDiagonal();
+    Eigen::Vector3d g;
+    g << ray_information * (landmark.ray - landmark.xy), (landmark.rho - landmark.prior_rho) / (vague * vague);
+    for (const LandmarkObservation& o : landmark.observations) {
+      const auto projection = LinearizeInverseDepth(keyframes_[size_t(landmark.anchor)], landmark.ray, landmark.rho,
+                                                    keyframes_[size_t(o.keyframe)]);
+      if (!projection) return;
+      Eigen::Matrix<double, 2, 3> J;
+      J << projection->d_xy, projection->d_rho;
+      const Eigen::Vector2d e = projection->xy - o.xy;
+      constexpr double kHuber = 2;
+      const double weight = std::min(1.0, kHuber * o.sigma / std::max(e.norm(), 1e-12)) / (o.sigma * o.sigma);
+      H += weight * J.transpose() * J;
+      g += weight * J.transpose() * e;
+    }
+    const Eigen::Matrix3d covariance = H.inverse();
+    const Eigen::Vector3d change = -covariance * g;
+    if (!change.allFinite()) return;
+    landmark.ray += change.head<2>();
+    landmark.rho = std::max(0.0, landmark.rho + change.z());
+    landmark.rho_sigma = std::sqrt(covariance(2, 2));
   }
 }
 

@@ -55,7 +55,7 @@ struct Landmark {
 };
 
 struct LandmarkMapOptions {
-  int window = 10;
+  int window = 10;  ///< Keyframes refined together; 0: none, every point by itself from where it was seen.
   int memory = 20;
   int adjust_iterations = 8;
   double outlier_sigmas = 3.5;
@@ -107,6 +107,7 @@ class LandmarkMap {
  private:
   void Observe(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches);
   void Triangulate(Landmark& landmark) const;
+  void RefinePoint(Landmark& landmark) const;
   void AddLandmarks(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth,
                     const Guess& guess);
   void Adjust();

@@ -51,7 +51,6 @@ std::vector<Composition> Compositions() {
   all.push_back({"thesis", Fast()});  // the seven steps and nothing else, but for pairs with a baseline
   all.back().options.placing = "two_view";
   all.back().options.refine = false;
-  all.back().options.max_rays = 2;
   all.back().options.max_direction_deg = 180;
   all.push_back({"points", Fast()});
   all.back().options.placing = "points";
