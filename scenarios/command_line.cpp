@@ -30,10 +30,12 @@ struct Arguments {
   CommonOptions common;
   RunArguments run;
   RecordArguments record;
+  FilmArguments film;
   TrackArguments track;
   ScoreArguments score;
   FeaturesArguments features;
   ScenarioArguments validate;
+  CheckArguments check;
   WorkArguments work;
   StudyArguments study;
 };
@@ -52,15 +54,29 @@ void AddRun(CLI::App& app, Arguments& a) {
 void AddRecord(CLI::App& app, Arguments& a) {
   CLI::App* verb = app.add_subcommand("record", "walk and film into a dataset folder, with ground truth beside it");
   AddScenario(*verb, a.record.scenario);
-  verb->add_option("--format", a.record.format, "layout: tum (RGB-D) or euroc (ASL)")
-      ->check(CLI::IsMember({"tum", "euroc"}))
-      ->capture_default_str();
-  verb->add_option("--out", a.record.out, "folder to write (default: datasets/NAME-seedN)");
+  verb->get_option("scenario")->description("scenario file, or a matrix of many (a file with the key `base`)");
+  verb->add_option("--format", a.record.format, "layout: tum (RGB-D, the default) or euroc (ASL)")
+      ->check(CLI::IsMember({"tum", "euroc"}));
+  verb->add_option("--out", a.record.out, "folder to write (default: datasets/NAME-seedN; of a matrix datasets/NAME)");
   verb->add_flag("--truth-inside", a.record.truth_inside, "also put the ground truth inside the dataset folder");
+  verb->add_flag("--pairs", a.record.pairs, "pairs of frames: blurred, sharp, blur vectors, floor homography, points");
+  verb->add_flag("--preview", a.record.preview, "film and contact sheet also of a single scenario");
+  verb->add_option("-j,--jobs", a.record.jobs, "sequences of a matrix at once (default: one per core)")
+      ->check(CLI::PositiveNumber);
+  verb->add_flag("--yes", a.record.yes, "also for a matrix of more than 100000 sequences");
   verb->footer(
+      "A matrix that was interrupted or killed goes on where it was when the same command is given again.\n"
       "Examples:\n"
-      "  gaitcam record scenarios/quickstart.yaml --format tum --out datasets/walk\n"
-      "  gaitcam record scenarios/quickstart.yaml --format euroc --set camera.stereo.baseline_m=0.06");
+      "  gaitcam record scenarios/quickstart.yaml --format tum --out datasets/walk --pairs\n"
+      "  gaitcam record scenarios/quickstart.yaml --format euroc --set camera.stereo.baseline_m=0.06\n"
+      "  gaitcam record scenarios/matrices/blur.yaml --out datasets/blur");
+}
+
+/// Hidden: what `record` starts for a matrix.
+void AddFilm(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("film", "one sequence of a matrix")->group("");
+  verb->add_option("dataset", a.film.dataset, "folder of the dataset")->required();
+  verb->add_option("name", a.film.name, "of the sequence")->required();
 }
 
 void AddTrack(CLI::App& app, Arguments& a) {
@@ -105,6 +121,29 @@ void AddFeatures(CLI::App& app, Arguments& a) {
       "  gaitcam features oxford/graf oxford/boat --detector sift --detector mobif");
 }
 
+void AddCheck(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("check", "compare a suite's accuracy with its baseline; fail if it got worse");
+  verb->add_option("suite", a.check.suite, "shipped suite (smoke, full), or a suite file (YAML)")->required();
+  verb->add_flag("--update", a.check.update, "write a new baseline, and show what it changes");
+  verb->add_option("--baseline", a.check.baseline, "baseline file (default: the suite's own)");
+  verb->add_option("--junit", a.check.junit, "write the verdicts as JUnit XML");
+  verb->add_option("--markdown", a.check.markdown, "write them as Markdown, as to $GITHUB_STEP_SUMMARY");
+  verb->add_option("--out", a.check.out, "folder of the runs (default: runs/check-SUITE)");
+  AddCache(*verb, a.check.cache);
+  verb->add_option("-j,--jobs", a.check.jobs, "runs at once (default: one per core)")->check(CLI::Range(0, 10000));
+  verb->add_flag("--self-test", a.check.self_test, "prove the gate: systems made worse on purpose must be caught");
+  verb->add_option("--reruns", a.check.reruns, "... and so many re-runs with other randomness must pass")
+      ->check(CLI::Range(0, 100000));
+  verb->add_option("--record", a.check.record, "write the self-test's rates to this Markdown file");
+  verb->footer(
+      "Examples:\n"
+      "  gaitcam check smoke\n"
+      "  gaitcam check smoke --update\n"
+      "  gaitcam check ci/my_suite.yaml --junit check.xml --markdown check.md\n"
+      "Exit codes: 0 nothing got worse; 1 something did; 2 bad input, or a baseline of something else;\n"
+      "3 nothing, or too little, could be judged; 4 the machine lacks something.");
+}
+
 /// Hidden: what `check` and `study` start.
 void AddWork(CLI::App& app, Arguments& a) {
   CLI::App* verb = app.add_subcommand("work", "one run of a check or study")->group("");
@@ -138,11 +177,13 @@ void AddStudy(CLI::App& app, Arguments& a) {
 int Dispatch(const CLI::App& app, Arguments& a) {
   if (app.got_subcommand("run")) return RunCommand(a.run, a.common);
   if (app.got_subcommand("record")) return RecordCommand(a.record, a.common);
+  if (app.got_subcommand("film")) return FilmCommand(a.film, a.common);
   if (app.got_subcommand("track")) return TrackCommand(a.track, a.common);
   if (app.got_subcommand("score")) return ScoreCommand(a.score, a.common);
   if (app.got_subcommand("features")) return FeaturesCommand(a.features, a.common);
   if (app.got_subcommand("validate")) return ValidateCommand(a.validate, a.common);
   if (app.got_subcommand("study")) return StudyCommand(a.study, a.common);
+  if (app.got_subcommand("check")) return CheckCommand(a.check, a.common);
   if (app.got_subcommand("work")) return WorkCommand(a.work, a.common);
   if (app.got_subcommand("list")) return ListCommand(a.common);
   return DoctorCommand(a.common);
@@ -167,10 +208,12 @@ int CommandLine(int argc, char** argv) {
   app.add_flag("--json", a.common.json, "the result as JSON on standard output");
   AddRun(app, a);
   AddRecord(app, a);
+  AddFilm(app, a);
   AddTrack(app, a);
   AddScore(app, a);
   AddFeatures(app, a);
   AddStudy(app, a);
+  AddCheck(app, a);
   AddWork(app, a);
   CLI::App* validate = app.add_subcommand("validate", "read a scenario as run would, and say what is wrong");
   AddScenario(*validate, a.validate);
@@ -198,6 +241,8 @@ int CommandLine(int argc, char** argv) {
     return Fail(3, e.what());
   } catch (const MissingResource& e) {
     return Fail(4, e.what());
+  } catch (const std::filesystem::filesystem_error& e) {
+    return Fail(4, e.what());  // disk full, no permission
   } catch (const std::exception& e) {
     return Fail(70, std::string("internal error, please report it: ") + e.what());
   }

@@ -39,12 +39,23 @@ struct RunArguments {
 int RunCommand(const RunArguments& arguments, const CommonOptions& common);
 
 struct RecordArguments {
-  ScenarioArguments scenario;
-  std::string format = "tum";
-  std::filesystem::path out;  ///< Empty: datasets/NAME-seedN.
-  bool truth_inside = false;  ///< Also put the truth where the layout's own tools look for it.
+  ScenarioArguments scenario;         ///< Or a matrix of recordings.
+  std::optional<std::string> format;  ///< Else tum, or as the matrix says.
+  std::filesystem::path out;          ///< Empty: datasets/NAME-seedN; of a matrix datasets/NAME.
+  bool truth_inside = false;          ///< Also put the truth where the layout's own tools look for it.
+  bool pairs = false;                 ///< Pairs of frames with what is true between them.
+  bool preview = false;               ///< Film and contact sheet also of a single scenario.
+  int jobs = 0;                       ///< Sequences of a matrix at once; 0: one per core.
+  bool yes = false;                   ///< Also more sequences than anybody wants by mistake.
 };
 int RecordCommand(const RecordArguments& arguments, const CommonOptions& common);
+
+/// What `record` starts for every sequence of a matrix; not meant to be typed.
+struct FilmArguments {
+  std::filesystem::path dataset;
+  std::string name;
+};
+int FilmCommand(const FilmArguments& arguments, const CommonOptions& common);
 
 struct TrackArguments {
   std::filesystem::path dataset;
@@ -71,6 +82,20 @@ struct FeaturesArguments {
 };
 int FeaturesCommand(const FeaturesArguments& arguments, const CommonOptions& common);
 
+struct CheckArguments {
+  std::string suite;               ///< Name of a shipped suite, or path of a suite file.
+  std::filesystem::path baseline;  ///< Empty: the suite's own.
+  bool update = false;             ///< Write the baseline instead of comparing with it.
+  std::filesystem::path junit, markdown;
+  std::filesystem::path out;  ///< Folder of the runs; empty: runs/check-SUITE.
+  CacheArguments cache;
+  int jobs = 0;  ///< 0: one per core.
+  bool self_test = false;
+  int reruns = 0;                ///< Of the self-test.
+  std::filesystem::path record;  ///< Markdown file of the self-test's rates.
+};
+int CheckCommand(const CheckArguments& arguments, const CommonOptions& common);
+
 /// What `check` and `study` start for every run; not meant to be typed.
 struct WorkArguments {
   std::filesystem::path runs;
@@ -90,6 +115,7 @@ struct StudyArguments {
 };
 int StudyCommand(const StudyArguments& arguments, const CommonOptions& common);
 
+/// `file` is a scenario, or the folder of a dataset.
 int ValidateCommand(const ScenarioArguments& scenario, const CommonOptions& common);
 int ListCommand(const CommonOptions& common);
 int DoctorCommand(const CommonOptions& common);

@@ -49,6 +49,11 @@ void Progress::Update(int64_t done) {
   std::fprintf(stderr, on_terminal_ ? "\r\033[K%s" : "%s\n", line.c_str());
 }
 
+void Progress::Update(int64_t done, int64_t total) {
+  total_ = total;
+  Update(done);
+}
+
 void Progress::Finish() {
   if (silent_) return;
   silent_ = true;

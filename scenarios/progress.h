@@ -16,6 +16,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void Update(int64_t done);
+  /// For those who learn on the way how much there is to do.
+  void Update(int64_t done, int64_t total);
   /// Ends the bar's line; later updates say nothing.
   void Finish();
 
@@ -24,7 +26,7 @@ class Progress {
   std::string Line(int64_t done, double elapsed_s) const;
 
   const std::string label_;
-  const int64_t total_;
+  int64_t total_;
   const bool on_terminal_;
   bool silent_;
   const Clock::time_point start_ = Clock::now();

@@ -36,7 +36,8 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
   const Scenario& scenario = resolved.scenario;
   Simulation simulation(resolved.robot, resolved.place, SimulationOptionsOf(scenario), scenario.seed);
   DatasetWriter writer(folders, simulation.calibration(), options.format);
-  Progress progress("recording " + scenario.name, simulation.ExpectedFrames(), options.quiet);
+  const int64_t expected = simulation.ExpectedFrames();
+  Progress bar("recording " + scenario.name, expected, options.quiet || options.progress);
   const TruthOptions wanted{options.truth_images, options.truth_images,
                             true};  // the blur's numbers come from its vectors
   while (!options.interrupted()) {
@@ -45,9 +46,10 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
     FrameTruthRecord truth = RecordOf(frame->truth);
     if (!options.truth_images) truth.sharp = truth.depth = truth.blur = cv::Mat();
     writer.Add(frame->observation, truth);
-    progress.Update(writer.frames());
+    bar.Update(writer.frames());
+    if (options.progress) options.progress(writer.frames(), expected);
   }
-  progress.Finish();
+  bar.Finish();
   RecordOutcome outcome;
   outcome.folders = folders;
   outcome.status = StatusText(EndOf(simulation));

@@ -12,6 +12,7 @@ struct RecordOptions {
   bool truth_images = true;  ///< Sharp twins, depth and blur vectors; else the numbers alone.
   bool quiet = false;
   std::function<bool()> interrupted = [] { return false; };
+  std::function<void(int64_t frames, int64_t expected)> progress;  ///< Told after every frame; empty: a bar is shown.
 };
 
 struct RecordOutcome {
