@@ -175,7 +175,9 @@ TurnResult EstimateTurn(const std::vector<InverseDepthSighting>& sightings, cons
   }
   result.X_WC.rotation = Eigen::Quaterniond(best);
   for (int i = 0; i < n; ++i) {
-    if (pairs[size_t(i)].Gain(best) > 0) result.inliers.push_back(i);
+    const DirectionPair& pair = pairs[size_t(i)];
+    if (pair.Gain(best) > 0) result.inliers.push_back(i);
+    result.chance += std::min(1.0, M_PI * pair.gain * pair.variance / field);
   }
   if (result.inliers.size() < 3) result.inliers.clear();
   return result;

@@ -76,6 +76,7 @@ Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::v
 struct TurnResult {
   Pose X_WC;                 ///< At the prior's position.
   std::vector<int> inliers;  ///< Likelier true than chance; empty if there were fewer than three.
+  double chance = 0;         ///< How many there would be if all sightings were false.
 };
 
 /// @param field solid angle in which false sightings are scattered evenly

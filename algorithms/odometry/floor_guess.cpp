@@ -100,9 +100,11 @@ void FloorGuess::Update(const LandmarkMap& map, const Pose& X_WC, RandomStream& 
 void FloorGuess::FindStanding(const LandmarkMap& map, const Pose& X_WC) {
   standing_.clear();
   if (!height_) return;
-  constexpr double kWellAbove = 0.2, kWellKnown = 0.1;  // parts of the camera's height and of the inverse depth
+  // So far above, parts of the camera's height, that no floor point gets there when the map's scale has drifted.
+  constexpr double kWellAbove = 0.25, kWellKnown = 0.1;
+  constexpr size_t kSeenOften = 2;
   for (const Landmark& landmark : map.landmarks()) {
-    if (landmark.observations.empty() || !(landmark.rho_sigma < kWellKnown * landmark.rho)) continue;
+    if (landmark.observations.size() < kSeenOften || !(landmark.rho_sigma < kWellKnown * landmark.rho)) continue;
     const Eigen::Vector3d p_W = map.Place(landmark);
     if (normal_W_.dot(p_W - X_WC.translation) + *height_ > kWellAbove * *height_) standing_.push_back(p_W);
   }

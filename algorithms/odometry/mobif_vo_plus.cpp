@@ -88,7 +88,10 @@ class MobifVoPlus::Tracker {
   bool Locate(FrameView& view, const Pose& prediction);
   bool LocateWithNoise(FrameView& view, const Pose& prediction, double noise);
   bool Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess, double noise);
-  bool AgreeNearby(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess, double noise);
+  bool AgreeNearby(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess, double noise,
+                   double radius);
+  bool LookClosely(FrameView& view, const Pose& prediction, double noise);
+  LandmarkSearchOptions SearchOptions(double radius, double ratio) const;
   bool Settle(FrameView& view, const std::vector<LandmarkMatch>& matches,
               const std::vector<InverseDepthSighting>& sightings, Pose pose);
   std::vector<InverseDepthSighting> Sightings(const FrameView& view, const std::vector<LandmarkMatch>& matches,
@@ -117,6 +120,7 @@ class MobifVoPlus::Tracker {
   std::vector<Waiting> waiting_;        ///< Frames since then, for the map to place once there is one.
   std::vector<Waiting> missed_;         ///< Frames without a pose since the last one that has one.
   std::optional<PositionPrior> prior_;  ///< Of the frame that is being located.
+  int fewest_inliers_ = 0;              ///< Likewise.
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int keyframe_ = -1;                   ///< The latest of the present map; -1: there is no map yet.
   int keyframe_inliers_ = 0;            ///< Most landmarks that a frame since the last keyframe saw.
@@ -137,6 +141,7 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
   inliers_.clear();
   const bool had_map = keyframe_ >= 0, was_lost = lost_frames_ > options_.max_lost_frames;
   prior_.reset();
+  fewest_inliers_ = options_.min_inliers;
   if (had_map) prior_ = Expect(*X_WC_last_, answer.stamp_ns - last_ns_);
   const bool found = had_map ? Locate(view, Predict(observation)) : Start(view);
   answer.inliers = int(inliers_.size());
@@ -305,20 +310,36 @@ bool MobifVoPlus::Tracker::Locate(FrameView& view, const Pose& prediction) {
   return false;
 }
 
+LandmarkSearchOptions MobifVoPlus::Tracker::SearchOptions(double radius, double ratio) const {
+  LandmarkSearchOptions search;
+  search.radius = radius;
+  search.ratio = ratio;
+  search.same_place = 2 / camera_.fx;
+  return search;
+}
+
 /// Looks for landmarks where they should be, else anywhere; then once more, closely, from the pose found.
 bool MobifVoPlus::Tracker::LocateWithNoise(FrameView& view, const Pose& prediction, double noise) {
-  LandmarkSearchOptions wide;
-  wide.radius = options_.search_deg * kRadPerDeg;
-  wide.ratio = options_.ratio;
-  wide.same_place = 2 / camera_.fx;
+  const LandmarkSearchOptions wide = SearchOptions(options_.search_deg * kRadPerDeg, options_.ratio);
   if (!Agree(view, SearchNear(map_, view, prediction, wide), prediction, noise) &&
       !Agree(view, SearchAnywhere(map_, view, options_.ratio), prediction, noise)) {
     return false;
   }
-  LandmarkSearchOptions close = wide;
-  close.radius = 5 * noise / camera_.fx;
-  close.ratio = 0.5 + 0.5 * options_.ratio;  // nearness has already told most rivals apart
+  // Nearness has already told most rivals apart.
+  const LandmarkSearchOptions close = SearchOptions(5 * noise / camera_.fx, 0.5 + 0.5 * options_.ratio);
   const Pose found = view.X_WC;
+  return Agree(view, SearchNear(map_, view, found, close), found, noise);
+}
+
+/// What moved fast looks like nothing else for certain: less distinct matches will do, if they are near enough.
+bool MobifVoPlus::Tracker::LookClosely(FrameView& view, const Pose& prediction, double noise) {
+  constexpr double kCloser = 0.4;  // part of the usual radius
+  const double radius = kCloser * options_.search_deg * kRadPerDeg, ratio = 0.5 + 0.5 * options_.ratio;
+  if (!AgreeNearby(view, SearchNear(map_, view, prediction, SearchOptions(radius, ratio)), prediction, noise, radius)) {
+    return false;
+  }
+  const Pose found = view.X_WC;
+  const LandmarkSearchOptions close = SearchOptions(5 * noise / camera_.fx, ratio);
   return Agree(view, SearchNear(map_, view, found, close), found, noise);
 }
 
@@ -337,7 +358,7 @@ std::vector<InverseDepthSighting> MobifVoPlus::Tracker::Sightings(const FrameVie
 /// agrees upon something too, on a floor of a thousand like pebbles above all: there it takes as many as usual.
 bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess,
                                  double noise) {
-  if (prior_ && AgreeNearby(view, matches, guess, noise)) return true;
+  if (prior_ && AgreeNearby(view, matches, guess, noise, options_.search_deg * kRadPerDeg)) return true;
   inliers_.clear();
   std::vector<PointSighting> known, any;
   for (const LandmarkMatch& match : matches) {
@@ -356,13 +377,14 @@ bool MobifVoPlus::Tracker::Agree(FrameView& view, const std::vector<LandmarkMatc
   return settled && (!prior_ || double(inliers_.size()) > kManyAsUsual * usual_inliers_);
 }
 
-/// Where the camera is expected, a turn alone has to be found.
+/// Where the camera is expected, a turn alone has to be found: the one that many more agree upon than would by chance.
 bool MobifVoPlus::Tracker::AgreeNearby(FrameView& view, const std::vector<LandmarkMatch>& matches, const Pose& guess,
-                                       double noise) {
+                                       double noise, double radius) {
   const std::vector<InverseDepthSighting> sightings = Sightings(view, matches, noise);
-  const double radius = options_.search_deg * kRadPerDeg;
   const TurnResult turn = EstimateTurn(sightings, *prior_, guess.rotation, M_PI * radius * radius, random_);
-  if (int(turn.inliers.size()) < options_.min_inliers) return false;
+  constexpr double kSurprise = 4;  // standard deviations; many turns are tried
+  const double enough = std::max(double(fewest_inliers_), turn.chance + kSurprise * std::sqrt(turn.chance));
+  if (double(turn.inliers.size()) < enough) return false;
   if (!Settle(view, matches, sightings, RefinePose(sightings, turn.inliers, turn.X_WC, 2, prior_))) return false;
   constexpr double kTooFar = 4;
   return (view.X_WC.translation - prior_->position_W).norm() < kTooFar * prior_->sigma;
@@ -379,7 +401,7 @@ bool MobifVoPlus::Tracker::Settle(FrameView& view, const std::vector<LandmarkMat
     for (int i = 0; i < int(sightings.size()); ++i) {
       if (Mahalanobis2(sightings[size_t(i)], pose) < limit2) inliers.push_back(i);
     }
-    if (int(inliers.size()) < options_.min_inliers) return false;
+    if (int(inliers.size()) < fewest_inliers_) return false;
     pose = RefinePose(sightings, inliers, pose, 2, prior_);
   }
   view.X_WC = pose;
@@ -399,8 +421,12 @@ void MobifVoPlus::Tracker::PlaceMissed(const FrameView& view, int64_t stamp_ns) 
     const double part = double(frame.stamp_ns - last_ns_) / double(stamp_ns - last_ns_);
     const Pose guess(X_WC_last_->rotation.slerp(part, view.X_WC.rotation),
                      (1 - part) * X_WC_last_->translation + part * view.X_WC.translation);
+    constexpr double kBetween = 0.5;  // one neighbour would leave so much more open than two
     prior_ = Expect(guess, std::min(frame.stamp_ns - last_ns_, stamp_ns - frame.stamp_ns));
-    if (!Locate(frame.view, guess)) continue;
+    prior_->sigma *= kBetween;
+    fewest_inliers_ = (options_.min_inliers + 1) / 2;
+    constexpr double kNoiseOfBlur = 1.5;
+    if (!Locate(frame.view, guess) && !LookClosely(frame.view, guess, kNoiseOfBlur)) continue;
     records_[frame.record].keyframe = keyframe_;
     records_[frame.record].X_KC = map_.keyframes()[size_t(keyframe_)].Inverse() * frame.view.X_WC;
   }
@@ -415,8 +441,10 @@ bool MobifVoPlus::Tracker::WantsKeyframe(const FrameView& view) {
   usual_inliers_ = usual_inliers_ > 0 ? (1 - kForgetting) * usual_inliers_ + kForgetting * inliers : inliers;
   if (waiting_frames_ == 0 && !IsKeyframeDue(view)) return false;
   ++waiting_frames_;
-  const bool in_danger = inliers < 2 * options_.min_inliers;
-  if (inliers < usual_inliers_ && !in_danger && waiting_frames_ <= options_.max_wait_frames) return false;
+  const bool in_danger = usual_inliers_<2 * options_.min_inliers, is_late = waiting_frames_> options_.max_wait_frames;
+  constexpr double kGoodEnough = 0.7;  // part of the usual, once it is late
+  const double enough = is_late ? kGoodEnough * usual_inliers_ : usual_inliers_;
+  if (inliers < enough && !in_danger && waiting_frames_ <= 2 * options_.max_wait_frames) return false;
   waiting_frames_ = 0;
   return true;
 }
