@@ -1,0 +1,300 @@
+// Direct alignment of a plane on pictures with known answers: a smooth random texture seen by an ideal camera.
+
+#include "algorithms/planes/plane_alignment.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "algorithms/core/random.h"
+
+namespace gaitcam {
+namespace {
+
+const CameraModel kCamera = CameraModel::FromHorizontalFov(320, 240, 60);
+
+/// A texture on the plane of the reference frame, made of waves of 10 to 50 cm: 8 px and more in the pictures below, so
+/// that bilinear interpolation hardly dims them.
+class Texture {
+ public:
+  explicit Texture(uint64_t seed) {
+    RandomStream random(seed, "texture");
+    for (int i = 0; i < 12; ++i) {
+      const double length = std::exp(random.Uniform(std::log(0.1), std::log(0.5)));
+      const double angle = random.Uniform(0, 2 * M_PI);
+      waves_.push_back(
+          {2 * M_PI / length * Eigen::Vector2d(std::cos(angle), std::sin(angle)), random.Uniform(0, 2 * M_PI)});
+    }
+  }
+  double At(const Eigen::Vector2d& p) const {
+    double sum = 0;
+    for (const Wave& wave : waves_) sum += std::cos(wave.k.dot(p) + wave.phase);
+    return 128 + 80 * std::tanh(sum / 4);
+  }
+
+ private:
+  struct Wave {
+    Eigen::Vector2d k;
+    double phase;
+  };
+  std::vector<Wave> waves_;
+};
+
+/// The floor as a camera of a small humanoid sees it: 0.4 m above, looking down by 35 degrees.
+PlaneState TrueState() {
+  PlaneState state;
+  state.normal_d = RotX(35 * M_PI / 180) * Eigen::Vector3d(0, 1, 0) / 0.4;
+  return state;
+}
+
+/// Two axes on the plane of R.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> Axes(const Eigen::Vector3d& normal_d) {
+  const Eigen::Vector3d a = Eigen::Vector3d::UnitX();
+  return {a, normal_d.normalized().cross(a).normalized()};
+}
+
+/// What C sees, X_CR and the plane in R given; 2 x 2 samples per pixel. Above the horizon: grey.
+cv::Mat Render(const Texture& texture, const PlaneState& state, double noise_grey = 0, uint64_t seed = 1) {
+  RandomStream random(seed, "noise");
+  const auto [a, b] = Axes(state.normal_d);
+  const Pose X_RC = state.X_CR.Inverse();
+  cv::Mat image(kCamera.height_px, kCamera.width_px, CV_8UC1);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      double sum = 0;
+      for (const double dv : {-0.25, 0.25}) {
+        for (const double du : {-0.25, 0.25}) {
+          const Eigen::Vector3d ray = X_RC.R() * kCamera.Unproject({u + du, v + dv});
+          const double facing = state.normal_d.dot(ray);
+          const double depth = (1 - state.normal_d.dot(X_RC.translation)) / facing;
+          const Eigen::Vector3d p = X_RC.translation + depth * ray;
+          sum += facing > 0 && depth < 5 ? texture.At({a.dot(p), b.dot(p)}) : 128;
+        }
+      }
+      image.at<uchar>(v, u) = cv::saturate_cast<uchar>(sum / 4 + noise_grey * random.Normal());
+    }
+  }
+  return image;
+}
+
+/// The part of the image that shows the floor within some 1.2 m.
+cv::Mat FloorMask(const PlaneState& state) {
+  cv::Mat mask(kCamera.height_px, kCamera.width_px, CV_8UC1, cv::Scalar(0));
+  for (int v = 0; v < mask.rows; ++v) {
+    for (int u = 0; u < mask.cols; ++u) {
+      mask.at<uchar>(v, u) = state.normal_d.dot(kCamera.Unproject({double(u), double(v)})) > 0.8 ? 255 : 0;
+    }
+  }
+  return mask;
+}
+
+Pose Motion(double tx, double ty, double tz, double rx_deg, double ry_deg, double rz_deg) {
+  Vector6d x;
+  x << tx, ty, tz, Eigen::Vector3d(rx_deg, ry_deg, rz_deg) * M_PI / 180;
+  return ExpSe3(x);
+}
+
+/// Mean distance between where two states put the floor's pixels.
+double MeanWarpError(const PlaneState& a, const PlaneState& b, const cv::Mat& mask) {
+  double sum = 0;
+  int count = 0;
+  for (int v = 0; v < mask.rows; v += 8) {
+    for (int u = 0; u < mask.cols; u += 8) {
+      const auto pa = WarpPixel(kCamera, a, {double(u), double(v)}), pb = WarpPixel(kCamera, b, {double(u), double(v)});
+      if (mask.at<uchar>(v, u) == 0 || !pa || !pb) continue;
+      sum += (*pa - *pb).norm();
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+TEST(ExpSe3, IsUndoneByLogAndEqualsTheMatrixSeries) {
+  RandomStream random(1, "exp");
+  for (int i = 0; i < 100; ++i) {
+    Vector6d x;
+    for (int k = 0; k < 6; ++k) x[k] = random.Normal() * (i % 2 == 0 ? 1e-5 : 0.7);
+    EXPECT_LT((LogSe3(ExpSe3(x)) - x).norm(), 1e-9);
+    Eigen::Matrix4d A = Eigen::Matrix4d::Zero(), term = Eigen::Matrix4d::Identity(), sum = term;
+    A.topLeftCorner<3, 3>() << 0, -x[5], x[4], x[5], 0, -x[3], -x[4], x[3], 0;
+    A.topRightCorner<3, 1>() = x.head<3>();
+    for (int n = 1; n < 40; ++n) {
+      term = term * A / n;
+      sum += term;
+    }
+    EXPECT_LT((ExpSe3(x).Matrix() - sum).norm(), 1e-12);
+  }
+}
+
+TEST(WarpJacobian, AgreesWithFiniteDifferences) {
+  PlaneState state = TrueState();
+  state.X_CR = Motion(0.03, -0.02, 0.05, 3, -2, 4);
+  const std::vector<Eigen::Vector3d> rays{kCamera.Unproject({0, 239}), kCamera.Unproject({319, 239}),
+                                          kCamera.Unproject({160, 120})};
+  const Eigen::Matrix3d M = internal::NormalFromInverseDepths(rays);
+  for (const Eigen::Vector2d& p : {Eigen::Vector2d(50, 200), Eigen::Vector2d(250, 150), Eigen::Vector2d(160, 220)}) {
+    const auto J = internal::WarpJacobian(kCamera, 1, state, M, p);
+    for (int k = 0; k < 9; ++k) {
+      Eigen::Vector2d ends[2];
+      constexpr double kStep = 1e-5;
+      for (const int side : {0, 1}) {
+        const double h = side == 0 ? -kStep : kStep;
+        PlaneState moved = state;
+        if (k < 6) {
+          moved.X_CR = state.X_CR * ExpSe3(h * Vector6d::Unit(k));
+        } else {
+          Eigen::Vector3d z = M.inverse() * state.normal_d;
+          z[k - 6] *= std::exp(h);
+          moved.normal_d = M * z;
+        }
+        ends[side] = *WarpPixel(kCamera, moved, p);
+      }
+      // Central differences at 1e-5 err by the third derivative times 1e-10: some 1e-6 px here.
+      EXPECT_LT((J.col(k) - (ends[1] - ends[0]) / (2 * kStep)).norm(), 1e-4) << k;
+    }
+  }
+}
+
+struct Trial {
+  PlaneState truth;
+  PlaneAlignment found;
+  double error_px = 0, initial_px = 0;
+};
+
+/// Two pictures a known motion apart, aligned from no motion at all; the plane is known to 1 % and 1 degree.
+Trial Align(const Pose& motion, uint64_t seed, double noise_grey = 0, const PlaneAlignmentOptions& options = {}) {
+  const Texture texture(seed);
+  Trial trial;
+  trial.truth = TrueState();
+  const cv::Mat mask = FloorMask(trial.truth), first = Render(texture, trial.truth, noise_grey, 2 * seed);
+  trial.truth.X_CR = motion;
+  const cv::Mat second = Render(texture, trial.truth, noise_grey, 2 * seed + 1);
+  const PlaneAligner aligner(kCamera, options);
+  const PlaneReference reference = aligner.MakeReference(first, mask);
+  PlanePrior prior;
+  prior.tilt_sigma_rad = 0.02;
+  trial.found = aligner.Align(reference, aligner.MakePyramid(second), TrueState(), prior);
+  trial.error_px = MeanWarpError(trial.found.state, trial.truth, mask);
+  trial.initial_px = MeanWarpError(TrueState(), trial.truth, mask);
+  return trial;
+}
+
+TEST(PlaneAlignment, FindsSmallMotionsToAFewHundredthsOfAPixel) {
+  const Trial trial = Align(Motion(0.004, 0.002, -0.006, 0.3, 0.4, -0.5), 3);
+  EXPECT_TRUE(trial.found.converged);
+  EXPECT_GT(trial.initial_px, 1.5);
+  EXPECT_LT(trial.error_px, 0.05);
+  EXPECT_LT((trial.found.state.X_CR.translation - trial.truth.X_CR.translation).norm(), 0.0005);
+}
+
+TEST(PlaneAlignment, ConvergesFromTwentyPixelsAway) {
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    RandomStream random(seed, "direction");
+    const double angle = random.Uniform(0, 2 * M_PI);
+    const Trial trial = Align(Motion(0.02 * std::cos(angle), 0, 0.02 * std::sin(angle), 3 * std::sin(angle),
+                                     3 * std::cos(angle), random.Uniform(-2, 2)),
+                              seed);
+    EXPECT_TRUE(trial.found.converged);
+    EXPECT_GT(trial.initial_px, 10);
+    EXPECT_LT(trial.error_px, 0.1) << "seed " << seed << " from " << trial.initial_px << " px";
+  }
+}
+
+TEST(PlaneAlignment, ErrorsAreWhatTheCovarianceSays) {
+  double sum2 = 0;
+  constexpr int kTrials = 10;
+  for (uint64_t seed = 1; seed <= kTrials; ++seed) {
+    const Trial trial = Align(Motion(0.004, 0.002, -0.006, 0.3, 0.4, -0.5), seed, 3);
+    const Vector6d error = LogSe3(trial.found.state.X_CR.Inverse() * trial.truth.X_CR);
+    sum2 += error.dot(trial.found.motion_covariance.inverse() * error) / 6;
+  }
+  // Chi-square over its degrees of freedom: 1 for exact noise. Interpolation and the texture's own reading error are
+  // not in it, so up to 6 passes (measured 2 to 4); a covariance ten times too small or large would not.
+  EXPECT_LT(sum2 / kTrials, 6);
+  EXPECT_GT(sum2 / kTrials, 0.2);
+}
+
+TEST(PlaneAlignment, BrightnessMayChange) {
+  const Texture texture(4);
+  PlaneState truth = TrueState();
+  const cv::Mat mask = FloorMask(truth), first = Render(texture, truth);
+  truth.X_CR = Motion(0.004, 0, -0.004, 0.2, 0.3, 0);
+  cv::Mat second;
+  Render(texture, truth).convertTo(second, CV_8U, 0.8, 12);
+  const PlaneAligner aligner(kCamera, {});
+  const PlaneAlignment found =
+      aligner.Align(aligner.MakeReference(first, mask), aligner.MakePyramid(second), TrueState(), {});
+  EXPECT_TRUE(found.converged);
+  EXPECT_NEAR(found.state.gain, 0.8, 0.02);
+  EXPECT_NEAR(found.state.offset, 12, 3);
+  EXPECT_LT(MeanWarpError(found.state, truth, mask), 0.2);  // rounding to fewer grey levels
+}
+
+TEST(PlaneAlignment, AQuarterOfTheFloorHiddenDoesNotMatter) {
+  const Texture texture(5), other(99);
+  PlaneState truth = TrueState();
+  const cv::Mat mask = FloorMask(truth), first = Render(texture, truth);
+  truth.X_CR = Motion(0.004, 0, -0.004, 0.2, 0.3, 0);
+  cv::Mat second = Render(texture, truth);
+  const cv::Rect hidden(100, 120, 120, 90);
+  Render(other, TrueState())(hidden).copyTo(second(hidden));
+  const PlaneAligner aligner(kCamera, {});
+  const PlaneAlignment found =
+      aligner.Align(aligner.MakeReference(first, mask), aligner.MakePyramid(second), TrueState(), {});
+  EXPECT_TRUE(found.converged);
+  EXPECT_LT(MeanWarpError(found.state, truth, mask), 0.3);
+  EXPECT_GT(found.inlier_ratio, 0.5);
+}
+
+TEST(PlaneAlignment, AnotherFloorIsNotTakenForThisOne) {
+  const PlaneState state = TrueState();
+  PlaneAlignmentOptions options;
+  options.max_residual_grey = 20;
+  const PlaneAligner aligner(kCamera, options);
+  const PlaneReference reference = aligner.MakeReference(Render(Texture(6), state), FloorMask(state));
+  EXPECT_FALSE(aligner.Align(reference, aligner.MakePyramid(Render(Texture(7), state)), state, {}).converged);
+  const cv::Mat black(kCamera.height_px, kCamera.width_px, CV_8UC1, cv::Scalar(0));
+  const PlaneAlignment dark = aligner.Align(reference, aligner.MakePyramid(black), state, {});
+  EXPECT_TRUE(dark.state.X_CR.translation.allFinite());
+}
+
+/// Mean of pictures along a path about the middle pose, in linear grey.
+cv::Mat RenderBlurred(const Texture& texture, const PlaneState& middle, const ExposureMotion& motion) {
+  constexpr int kInstants = 15;
+  cv::Mat sum(kCamera.height_px, kCamera.width_px, CV_32FC1, cv::Scalar(0));
+  for (int i = 0; i < kInstants; ++i) {
+    PlaneState at = middle;
+    at.X_CR = ExpSe3(((i + 0.5) / kInstants - 0.5) * motion) * middle.X_CR;
+    cv::Mat picture;
+    Render(texture, at).convertTo(picture, CV_32F, 1.0 / kInstants);
+    sum += picture;
+  }
+  cv::Mat image;
+  sum.convertTo(image, CV_8U);
+  return image;
+}
+
+TEST(PlaneAlignment, BlurOfTheCurrentImageIsPartOfTheModel) {
+  const Texture texture(8);
+  PlaneState truth = TrueState();
+  const cv::Mat mask = FloorMask(truth), first = Render(texture, truth);
+  truth.X_CR = Motion(0.006, 0, -0.01, 1.0, 1.5, 1.0);
+  constexpr double kBlurRatio = 0.9;
+  const cv::Mat second = RenderBlurred(texture, truth, kBlurRatio * LogSe3(truth.X_CR));
+  const auto error_px = [&](double ratio, int samples) {
+    PlaneAlignmentOptions options;
+    options.max_blur_samples = samples;
+    const PlaneAligner aligner(kCamera, options);
+    const PlaneAlignment found =
+        aligner.Align(aligner.MakeReference(first, mask), aligner.MakePyramid(second), TrueState(), {}, ratio);
+    return MeanWarpError(found.state, truth, mask);
+  };
+  const double modelled = error_px(kBlurRatio, 9), ignored = error_px(0, 1);
+  EXPECT_LT(modelled, 0.15);
+  EXPECT_LT(modelled, 0.7 * ignored);
+}
+
+}  // namespace
+}  // namespace gaitcam
