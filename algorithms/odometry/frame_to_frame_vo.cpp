@@ -48,9 +48,16 @@ class FrameToFrameVo::Tracker {
         threshold_(options.threshold_px / camera.fx),
         map_(MapOptions(options)) {}
 
-  FrameEstimate Track(const Observation& observation);
+  FrameEstimate Track(const Observation& observation) {
+    const FrameEstimate answer = Answer(observation);
+    records_.push_back(answer);
+    if (has_points_ && !waiting_.empty()) PlaceWaiting();
+    return answer;
+  }
+  const std::vector<FrameEstimate>& Finish() const { return records_; }
 
  private:
+  FrameEstimate Answer(const Observation& observation);
   FrameView Look(const cv::Mat& image) const;
   std::vector<Match> MatchWithChosen(const FrameView& view) const;
   std::vector<PointPair> PairsOf(const FrameView& view, const std::vector<Match>& matches) const;
@@ -59,6 +66,7 @@ class FrameToFrameVo::Tracker {
 
   bool Start(FrameView& view);
   bool BeginReconstruction(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
+  void PlaceWaiting();
   bool Follow(FrameView& view);
   bool PlaceByPoints(FrameView& view);
   bool PlaceByTwoViews(FrameView& view);
@@ -92,9 +100,15 @@ class FrameToFrameVo::Tracker {
   int lost_frames_ = 0;
   int start_frames_ = 0;  ///< Frames since there was a reconstruction, or since the first.
   int start_misses_ = 0;  ///< Of these the latest that could not be matched with the chosen one.
+  struct Waiting {
+    size_t record = 0;
+    FrameView view;
+  };
+  std::vector<Waiting> waiting_;  ///< Frames for the reconstruction to place once there is one.
+  std::vector<FrameEstimate> records_;
 };
 
-FrameEstimate FrameToFrameVo::Tracker::Track(const Observation& observation) {
+FrameEstimate FrameToFrameVo::Tracker::Answer(const Observation& observation) {
   FrameEstimate answer;
   answer.stamp_ns = observation.stamp_ns;
   FrameView view = Look(observation.image.pixels);
@@ -104,6 +118,8 @@ FrameEstimate FrameToFrameVo::Tracker::Track(const Observation& observation) {
   const bool found = had_points ? Follow(view) : Start(view);
   answer.inliers = int(inliers_.size());
   if (!found) {
+    constexpr size_t kMostWaiting = 60;  // frames: their features take memory
+    if (!had_points && waiting_.size() < kMostWaiting) waiting_.push_back({records_.size(), std::move(view)});
     answer.status = X_WC_last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
     if (had_points && ++lost_frames_ > options_.max_lost_frames) GiveUp();
     return answer;
@@ -191,7 +207,8 @@ bool FrameToFrameVo::Tracker::Start(FrameView& view) {
     if (chosen_ && ++start_misses_ <= options_.max_start_misses) return false;
     chosen_.reset();
     start_misses_ = 0;
-    if (view.features.size() >= options_.min_start_points) chosen_ = std::move(view);
+    if (view.features.size() >= options_.min_start_points) chosen_ = view;
+    waiting_.clear();
     return false;
   }
   start_misses_ = 0;
@@ -232,6 +249,23 @@ bool FrameToFrameVo::Tracker::BeginReconstruction(FrameView& view, const std::ve
   has_points_ = true;
   Choose(view);
   return true;
+}
+
+/// For the final word, from the latest back to the first. A new path is marked where it now begins.
+void FrameToFrameVo::Tracker::PlaceWaiting() {
+  Pose prediction = *X_WC_last_;
+  size_t begin = records_.size() - 1;
+  for (auto frame = waiting_.rbegin(); frame != waiting_.rend(); ++frame) {
+    const auto placed = PlaceByLandmarks(map_, frame->view, prediction, 1, ByPoints(), random_);
+    if (!placed) continue;
+    prediction = placed->X_WC;
+    begin = frame->record;
+    records_[begin].status = TrackingStatus::kTracking;
+    records_[begin].pose = placed->X_WC;
+    records_[begin].inliers = int(placed->inliers.size());
+  }
+  std::swap(records_[begin].restarted, records_.back().restarted);
+  waiting_.clear();
 }
 
 /// With a reconstruction: the pose from its points and, where the frame makes a pair, from the two views.
@@ -384,5 +418,7 @@ FrameToFrameVo::FrameToFrameVo(const CameraModel& camera, const FrameToFrameVoOp
 FrameToFrameVo::~FrameToFrameVo() = default;
 
 FrameEstimate FrameToFrameVo::Track(const Observation& observation) { return tracker_->Track(observation); }
+
+const std::vector<FrameEstimate>& FrameToFrameVo::Finish() const { return tracker_->Finish(); }
 
 }  // namespace gaitcam

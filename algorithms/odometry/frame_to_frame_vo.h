@@ -17,6 +17,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/estimate.h"
@@ -122,6 +123,10 @@ class FrameToFrameVo {
   /// median depth as its unit, which is a guess.
   /// @throws BadInput if the image's size is not the camera's.
   FrameEstimate Track(const Observation& observation);
+
+  /// The final word on every frame: as Track said, but for the frames that waited for a reconstruction to begin, which
+  /// are placed by it. The first of them is then the one that is marked `restarted`.
+  const std::vector<FrameEstimate>& Finish() const;
 
  private:
   class Tracker;

@@ -22,6 +22,7 @@ class FrameToFrameSystem : public System {
   FrameToFrameSystem(const CameraModel& camera, const FrameToFrameVoOptions& options, uint64_t seed)
       : odometry_(camera, options, seed) {}
   FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
+  std::vector<FrameEstimate> Finish() override { return odometry_.Finish(); }
 
  private:
   FrameToFrameVo odometry_;
@@ -52,7 +53,7 @@ class MobifVoPlusSystem : public System {
 std::vector<Entry> AllSystems() {
   std::vector<Entry> entries = {
       FrameToFrame("akaze", 4, "the odometry of mobif_vo with AKAZE features"),
-      FrameToFrame("mobif", 1, "monocular odometry from pairs of frames (thesis 5.4) with MoBIF features"),
+      FrameToFrame("mobif", 4, "monocular odometry from pairs of frames (thesis 5.4) with MoBIF features"),
       FrameToFrame("orb", 4, "the odometry of mobif_vo with ORB features"),
       FrameToFrame("sift", 4, "the odometry of mobif_vo with SIFT features: the plain baseline"),
       FrameToFrame("surf", 4, "the odometry of mobif_vo with SURF features"),

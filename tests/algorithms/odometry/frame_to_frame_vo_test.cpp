@@ -136,6 +136,18 @@ TEST(FrameToFrameVo, AFrozenPictureKeepsThePose) {
   }
 }
 
+TEST(FrameToFrameVo, FramesExposedThreeTimesTooLongDoNotLoseThePath) {
+  std::vector<Observation> frames = SidewaysFilm().frames;
+  for (size_t i = 27; i < 32; ++i) frames[i].image.pixels = cv::Mat(frames[i].image.pixels * 3);
+  FrameToFrameVo vo(kCamera, Fast(), 1);
+  const Estimate estimate = TrackAll(vo, frames);
+  ExpectSane(estimate);
+  for (size_t i = 32; i < frames.size(); ++i) {
+    EXPECT_EQ(estimate.frames[i].status, TrackingStatus::kTracking) << i;
+    EXPECT_FALSE(estimate.frames[i].restarted) << i;
+  }
+}
+
 class EveryMishap : public testing::TestWithParam<Mishap> {};
 
 TEST_P(EveryMishap, IsSurvivedAndThePathFoundAgain) {
@@ -181,6 +193,27 @@ TEST(FrameToFrameVo, APathThatStaysLostIsBegunAnewAndMarked) {
   }
   EXPECT_EQ(restarts, 1);
   EXPECT_EQ(estimate.frames.back().status, TrackingStatus::kTracking);
+}
+
+TEST(FrameToFrameVo, TheFinalWordPlacesTheFramesThatWaitedForABeginning) {
+  FrameToFrameVoOptions options = Fast();
+  options.max_lost_frames = 2;
+  std::vector<Observation> frames = SidewaysFilm().frames;
+  frames.insert(frames.begin() + 19, 5, Filled(frames[0], 0));
+  FrameToFrameVo vo(kCamera, options, 1);
+  const Estimate live = TrackAll(vo, frames);
+  Estimate final_word;
+  final_word.frames = vo.Finish();
+  ASSERT_EQ(final_word.frames.size(), frames.size());
+  ExpectSane(final_word);
+  EXPECT_EQ(final_word.frames[0].status, TrackingStatus::kTracking);
+  EXPECT_GT(Count(final_word, TrackingStatus::kTracking), Count(live, TrackingStatus::kTracking));
+  int restarts = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    restarts += final_word.frames[i].restarted;
+    if (i >= 19 && i < 24) EXPECT_FALSE(final_word.frames[i].pose) << "a black frame has no pose";
+  }
+  EXPECT_EQ(restarts, 1);
 }
 
 TEST(FrameToFrameVo, NoiseIsNotTakenForAWorld) {
