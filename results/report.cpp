@@ -11,9 +11,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <sstream>
 
 #include "algorithms/core/errors.h"
+#include "results/html_page.h"
 #include "results/metrics.h"
 #include "results/report_page.h"
 
@@ -21,22 +21,15 @@ namespace gaitcam {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using internal::Banner;
+using internal::Card;
+using internal::Escape;
+using internal::Key;
+using internal::KeyEntry;
+using internal::Panel;
+using internal::ThreeDigits;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::string Escape(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
-    }
-  }
-  return out;
-}
 
 std::string Base64(const std::vector<uchar>& bytes) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -64,20 +57,6 @@ std::string JpegUri(const cv::Mat& picture, int max_width_px) {
   std::vector<uchar> bytes;
   cv::imencode(".jpg", shown, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
   return "data:image/jpeg;base64," + Base64(bytes);
-}
-
-std::string ReadChartLibrary(const std::filesystem::path& wanted) {
-  std::vector<std::filesystem::path> places = {wanted};
-  if (wanted.empty()) {
-    places = {"/usr/share/javascript/chart.js/chart.min.js", "/usr/share/nodejs/chart.js/dist/chart.min.js"};
-  }
-  for (const std::filesystem::path& place : places) {
-    std::ifstream file(place, std::ios::binary);
-    std::stringstream text;
-    if (file && text << file.rdbuf()) return text.str();
-  }
-  throw MissingResource("the report needs Chart.js at " + places.front().string() +
-                        "; install the Debian package libjs-chart.js");
 }
 
 // ---- What the charts are drawn from
@@ -280,10 +259,6 @@ std::string Header(const ReportInput& input) {
                      Escape(input.title), pill, Escape(input.subtitle));
 }
 
-std::string Banner(const std::string& kind, const std::string& head, const std::string& text) {
-  return fmt::format("<div class=\"banner {}\" role=\"alert\"><b>{}</b>{}</div>\n", kind, Escape(head), Escape(text));
-}
-
 std::string Banners(const ReportInput& input) {
   std::string html;
   if (input.end == RunEnd::kFell) {
@@ -310,18 +285,6 @@ std::string Banners(const ReportInput& input) {
   return html;
 }
 
-/// Three significant digits: a card is read at a glance.
-std::string Short(double value) {
-  if (value == std::floor(value) || std::abs(value) >= 100) return fmt::format("{:.0f}", value);
-  return fmt::format("{:#.3g}", value);
-}
-
-std::string Card(const std::string& name, double value, const std::string& unit, const std::string& hint) {
-  return fmt::format("<div><dt>{}</dt><dd class=\"value\">{}<small>{}</small></dd><dd class=\"hint\">{}</dd></div>\n",
-                     Escape(name), std::isfinite(value) ? Short(value) : "&ndash;",
-                     std::isfinite(value) ? Escape(unit) : "", Escape(hint));
-}
-
 double MedianBlur(const std::vector<ReportFrame>& frames) {
   std::vector<double> blur;
   blur.reserve(frames.size());
@@ -333,10 +296,11 @@ std::string Cards(const ReportInput& input) {
   std::string html = "<dl class=\"cards\">\n";
   if (input.scores) {
     const Scores& s = *input.scores;
-    html += Card("Position error, Sim(3)", s.Value("ate_sim3_rmse_m"), "m",
-                 fmt::format("root mean square along {} m of path, scale given away", Short(s.Value("path_length_m"))));
+    html += Card(
+        "Position error, Sim(3)", s.Value("ate_sim3_rmse_m"), "m",
+        fmt::format("root mean square along {} m of path, scale given away", ThreeDigits(s.Value("path_length_m"))));
     html += Card("Position error, SE(3)", s.Value("ate_rmse_m"), "m",
-                 fmt::format("with the estimate's own scale: {} of the true one", Short(s.Value("scale_ratio"))));
+                 fmt::format("with the estimate's own scale: {} of the true one", ThreeDigits(s.Value("scale_ratio"))));
     html += Card("Drift", s.Value("drift_sim3_pct"), "%", "of the distance gone, scale corrected");
     html += Card("Rotation error", s.Value("ate_rot_own_rmse_deg"), "\u00b0",
                  "root mean square after the best-fitting rotation");
@@ -352,7 +316,7 @@ std::string Cards(const ReportInput& input) {
   }
   if (input.scores && !input.scores->timing.empty() && input.scores->timing.front().name == "track_ms_mean") {
     html += Card("Tracking time", input.scores->Value("track_ms_mean"), "ms",
-                 fmt::format("per frame; 95 % below {} ms", Short(input.scores->Value("track_ms_p95"))));
+                 fmt::format("per frame; 95 % below {} ms", ThreeDigits(input.scores->Value("track_ms_p95"))));
   }
   return html + "</dl>\n";
 }
@@ -365,31 +329,6 @@ std::string Film(const ReportInput& input) {
       "<section class=\"film\"><h2>The walk</h2>\n<video controls muted loop playsinline preload=\"none\" "
       "src=\"{}\"{}></video></section>\n",
       Escape(input.video_file), poster);
-}
-
-struct KeyEntry {
-  std::string colour, text;
-  std::string kind = {};    ///< "dashed" or "area" as it looks in the chart.
-  std::string series = {};  ///< Label of the series that a click hides and shows; "" for none.
-};
-
-std::string Key(const std::vector<KeyEntry>& entries, const std::string& charts) {
-  std::string html = fmt::format("<ul class=\"key\" data-for=\"{}\">", charts);
-  for (const KeyEntry& e : entries) {
-    const std::string text =
-        e.series.empty() ? Escape(e.text)
-                         : fmt::format("<button type=\"button\" data-series=\"{}\" title=\"hide or show\">{}</button>",
-                                       Escape(e.series), Escape(e.text));
-    html += fmt::format("<li class=\"{}\" style=\"--c: var(--{})\">{}</li>", e.kind, e.colour, text);
-  }
-  return html + "</ul>\n";
-}
-
-std::string Panel(const std::string& chart, const std::string& title, const std::vector<KeyEntry>& key, int height_px) {
-  return fmt::format(
-      "<section class=\"panel\"><h3>{}</h3>\n{}<div class=\"chart\" style=\"height: {}px\"><canvas data-chart=\"{}\" "
-      "role=\"img\" aria-label=\"{}\"></canvas></div></section>\n",
-      Escape(title), key.empty() ? "" : Key(key, chart), height_px, chart, Escape(title));
 }
 
 /// Length over width of the true path, seen from above.
@@ -515,15 +454,10 @@ std::string ScoreTable(const ReportInput& input) {
 
 std::string Provenance(const ReportInput& input) {
   std::string html = "<h2>How it was made</h2>\n";
-  html += "<section class=\"panel\"><dl class=\"facts\">\n";
-  for (const auto& [name, value] : input.facts) {
-    html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", Escape(name), Escape(value));
-  }
-  if (!input.renderer.empty()) {
-    html += fmt::format("<dt>renderer</dt><dd>{}{}</dd>\n", Escape(input.renderer),
-                        input.software_renderer ? " (software)" : "");
-  }
-  html += "</dl></section>\n";
+  std::vector<std::pair<std::string, std::string>> facts = input.facts;
+  if (!input.renderer.empty())
+    facts.emplace_back("renderer", input.renderer + (input.software_renderer ? " (software)" : ""));
+  html += internal::Facts(facts);
   if (!input.resolved_scenario.empty()) {
     html += fmt::format("<details class=\"panel\"><summary>Resolved scenario</summary><pre>{}</pre></details>\n",
                         Escape(input.resolved_scenario));
@@ -531,28 +465,17 @@ std::string Provenance(const ReportInput& input) {
   return html;
 }
 
-/// JSON inside a script element must not hold the text that would close it.
-std::string ScriptSafe(std::string json) {
-  for (size_t at = json.find("</"); at != std::string::npos; at = json.find("</", at + 3)) json.insert(at + 1, "\\");
-  return json;
-}
-
 }  // namespace
 
 std::string ReportHtml(const ReportInput& input, const ReportOptions& options) {
-  const std::string library = ReadChartLibrary(options.chart_library);
-  std::string html = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
-  html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
-  html += "<link rel=\"icon\" href=\"data:,\">\n";
-  html += "<title>" + Escape(input.title) + " - gaitcam</title>\n<style>" + std::string(internal::ReportStyle()) +
-          "</style>\n";
-  html += "</head>\n<body>\n<main>\n";
-  html += Header(input) + Banners(input) + Cards(input) + Film(input) + Paths(input) + OverTime(input);
-  html += Strip(input) + ScoreTable(input) + Provenance(input);
-  html += "<footer>Written by gaitcam. Charts by Chart.js (MIT licence), inlined.</footer>\n</main>\n";
-  html += "<script type=\"application/json\" id=\"data\">" + ScriptSafe(ChartData(input).dump()) + "</script>\n";
-  html += "<script>" + library + "</script>\n<script>" + std::string(internal::ReportScript()) + "</script>\n";
-  return html + "</body>\n</html>\n";
+  internal::HtmlPage page;
+  page.title = input.title;
+  page.body = Header(input) + Banners(input) + Cards(input) + Film(input) + Paths(input) + OverTime(input) +
+              Strip(input) + ScoreTable(input) + Provenance(input);
+  page.data = ChartData(input).dump();
+  page.style = internal::ReportStyle();
+  page.script = internal::ReportScript();
+  return internal::PageHtml(page, options.chart_library);
 }
 
 void WriteReport(const std::filesystem::path& path, const ReportInput& input, const ReportOptions& options) {

@@ -1,4 +1,4 @@
-/// The fixed parts of the report page: its style sheet and the script that draws the charts. An inner part of
+/// The fixed parts of a run's page: its style sheet and the script that draws the charts. An inner part of
 /// report.cpp.
 
 #pragma once
@@ -7,12 +7,10 @@
 
 namespace gaitcam::internal {
 
-/// CSS: light and dark by the reader's preference, always light on paper.
+/// CSS, beside what all pages share.
 std::string_view ReportStyle();
 
-/// JavaScript, run after Chart.js: reads the JSON of #data and draws every <canvas data-chart=...>. When done it sets
-/// on <body> `data-charts` (how many canvases there are) and `data-charts-drawn` (how many of them show more than
-/// axes).
+/// JavaScript, run after the shared script (html_page.h).
 std::string_view ReportScript();
 
 }  // namespace gaitcam::internal

@@ -38,6 +38,7 @@ struct Arguments {
   CheckArguments check;
   WorkArguments work;
   StudyArguments study;
+  SchemaArguments schema;
 };
 
 void AddRun(CLI::App& app, Arguments& a) {
@@ -173,6 +174,17 @@ void AddStudy(CLI::App& app, Arguments& a) {
       "  gaitcam study my_study.yaml --executor slurm --sbatch=--partition=long");
 }
 
+void AddSchema(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("schema", "print the JSON Schema of a kind of file, for editors");
+  verb->add_option("kind", a.schema.kind, "scenario, study, suite or matrix")
+      ->required()
+      ->check(CLI::IsMember({"scenario", "study", "suite", "matrix"}));
+  verb->footer(
+      "Editors with a YAML language server check a file and complete its keys when its first line says\n"
+      "  # yaml-language-server: $schema=study.schema.json\n"
+      "Example:\n  gaitcam schema study >study.schema.json");
+}
+
 /// The verb that was chosen, carried out.
 int Dispatch(const CLI::App& app, Arguments& a) {
   if (app.got_subcommand("run")) return RunCommand(a.run, a.common);
@@ -184,6 +196,7 @@ int Dispatch(const CLI::App& app, Arguments& a) {
   if (app.got_subcommand("validate")) return ValidateCommand(a.validate, a.common);
   if (app.got_subcommand("study")) return StudyCommand(a.study, a.common);
   if (app.got_subcommand("check")) return CheckCommand(a.check, a.common);
+  if (app.got_subcommand("schema")) return SchemaCommand(a.schema);
   if (app.got_subcommand("work")) return WorkCommand(a.work, a.common);
   if (app.got_subcommand("list")) return ListCommand(a.common);
   return DoctorCommand(a.common);
@@ -213,11 +226,16 @@ int CommandLine(int argc, char** argv) {
   AddScore(app, a);
   AddFeatures(app, a);
   AddStudy(app, a);
+  AddSchema(app, a);
   AddCheck(app, a);
   AddWork(app, a);
-  CLI::App* validate = app.add_subcommand("validate", "read a scenario as run would, and say what is wrong");
+  CLI::App* validate = app.add_subcommand("validate", "say what is wrong with a scenario, or with a dataset");
   AddScenario(*validate, a.validate);
-  validate->footer("Example:\n  gaitcam validate scenarios/quickstart.yaml --set gait.step_length_m=0.2");
+  validate->get_option("scenario")->description("scenario file, or the folder of a dataset or of one recording");
+  validate->footer(
+      "Examples:\n"
+      "  gaitcam validate scenarios/quickstart.yaml --set gait.step_length_m=0.2\n"
+      "  gaitcam validate datasets/blur");
   app.add_subcommand("list", "name robots, gaits, places and systems");
   app.add_subcommand("doctor", "print versions, the EGL device, and what is missing");
   app.footer(

@@ -8,6 +8,7 @@
 #include "scenarios/commands.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/output_folder.h"
+#include "scenarios/slurm_executor.h"
 #include "scenarios/study.h"
 #include "scenarios/versions.h"
 
@@ -40,7 +41,11 @@ ExecutorOutcome Execute(const std::vector<WorkItem>& items, const StudyArguments
   options.what = name;
   options.quiet = common.quiet;
   options.interrupted = [&guard] { return guard.Interrupted(); };
-  return ExecuteLocally(items, options);
+  if (arguments.executor == "local") return ExecuteLocally(items, options);
+  SlurmOptions slurm;
+  slurm.job_name = "gaitcam-" + name;
+  slurm.sbatch = arguments.sbatch;
+  return ExecuteOnSlurm(items, options, slurm);
 }
 
 std::vector<std::pair<std::string, std::string>> FactsOf(const Study& study, const fs::path& file) {

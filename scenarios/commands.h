@@ -115,6 +115,11 @@ struct StudyArguments {
 };
 int StudyCommand(const StudyArguments& arguments, const CommonOptions& common);
 
+struct SchemaArguments {
+  std::string kind;  ///< Of file: scenario, study, suite, matrix.
+};
+int SchemaCommand(const SchemaArguments& arguments);
+
 /// `file` is a scenario, or the folder of a dataset.
 int ValidateCommand(const ScenarioArguments& scenario, const CommonOptions& common);
 int ListCommand(const CommonOptions& common);

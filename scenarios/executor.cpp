@@ -107,9 +107,26 @@ class Crew {
   std::list<Member> running_;
 };
 
-/// What remains to be done, its scenarios written down.
-std::vector<const WorkItem*> Prepare(const std::vector<WorkItem>& items, const ExecutorOptions& options,
-                                     ExecutorOutcome& outcome) {
+}  // namespace
+
+namespace internal {
+
+ExecutorOptions Absolute(ExecutorOptions options) {
+  options.runs = fs::absolute(options.runs);
+  if (!options.cache.folder.empty()) options.cache.folder = fs::absolute(options.cache.folder);
+  return options;
+}
+
+FileLock LockRuns(const fs::path& runs) {
+  for (int i = 0; i < 100; ++i) {
+    if (std::optional<FileLock> lock = FileLock::Try(runs / "lock")) return std::move(*lock);
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  }
+  throw BadInput(runs.string() + ": another gaitcam is at work in this folder");
+}
+
+std::vector<const WorkItem*> PrepareItems(const std::vector<WorkItem>& items, const ExecutorOptions& options,
+                                          ExecutorOutcome& outcome) {
   std::vector<const WorkItem*> todo;
   std::set<std::string> seen;
   for (const WorkItem& item : items) {
@@ -125,7 +142,7 @@ std::vector<const WorkItem*> Prepare(const std::vector<WorkItem>& items, const E
   return todo;
 }
 
-void MakeFolders(const fs::path& runs) {
+void MakeRunFolders(const fs::path& runs) {
   for (const char* name : {"plan", "log"}) {
     std::error_code error;
     fs::create_directories(runs / name, error);
@@ -133,20 +150,18 @@ void MakeFolders(const fs::path& runs) {
   }
 }
 
-}  // namespace
+}  // namespace internal
 
 WorkItem WorkItemOf(const ResolvedScenario& resolved, const std::string& label) {
   return {HashOf(resolved), FramesHashOf(resolved), resolved.ToYaml(), ProgramsFingerprint(resolved.scenario), label};
 }
 
 ExecutorOutcome ExecuteLocally(const std::vector<WorkItem>& items, const ExecutorOptions& given) {
-  ExecutorOptions options = given;
-  options.runs = fs::absolute(given.runs);
-  if (!given.cache.folder.empty()) options.cache.folder = fs::absolute(given.cache.folder);
-  MakeFolders(options.runs);
-  const FileLock alone = FileLock(options.runs / "lock", FileLock::Kind::kExclusive);
+  const ExecutorOptions options = internal::Absolute(given);
+  internal::MakeRunFolders(options.runs);
+  const FileLock alone = internal::LockRuns(options.runs);
   ExecutorOutcome outcome;
-  Schedule schedule(Prepare(items, options, outcome));
+  Schedule schedule(internal::PrepareItems(items, options, outcome));
   const size_t at_once = size_t(options.jobs > 0 ? options.jobs : std::max(1u, std::thread::hardware_concurrency()));
   Progress progress(options.what, int64_t(items.size()), options.quiet);
   Crew crew(options, outcome);

@@ -48,4 +48,18 @@ ExecutorOutcome ExecuteLocally(const std::vector<WorkItem>& items, const Executo
 /// The one run that a process of an executor does: reads runs/plan/HASH.yaml. @returns the exit code.
 int WorkOn(const std::filesystem::path& runs, const std::string& hash, const SequenceCacheOptions& cache);
 
+namespace internal {
+
+/// Parts of every executor. The options with all paths absolute.
+ExecutorOptions Absolute(ExecutorOptions options);
+/// runs/plan and runs/log. @throws MissingResource.
+void MakeRunFolders(const std::filesystem::path& runs);
+/// Held while an executor works in a folder. @throws BadInput if another one keeps it for longer than a killed one
+/// would.
+FileLock LockRuns(const std::filesystem::path& runs);
+/// What remains to be done, its scenarios written down; the rest is counted as reused.
+std::vector<const WorkItem*> PrepareItems(const std::vector<WorkItem>& items, const ExecutorOptions& options,
+                                          ExecutorOutcome& outcome);
+
+}  // namespace internal
 }  // namespace gaitcam

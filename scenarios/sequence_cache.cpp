@@ -71,6 +71,14 @@ FileLock::~FileLock() {
 
 FileLock::FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
 
+std::optional<FileLock> FileLock::Try(const fs::path& file) {
+  FileLock lock;
+  lock.descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (lock.descriptor_ < 0) throw MissingResource("cannot lock " + file.string() + ": " + std::strerror(errno));
+  if (flock(lock.descriptor_, LOCK_EX | LOCK_NB) != 0) return std::nullopt;
+  return lock;
+}
+
 bool FileLock::TryExclusive(const fs::path& file, const std::function<void()>& then) {
   const int descriptor = open(file.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor < 0) return false;

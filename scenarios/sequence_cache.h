@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,10 +34,13 @@ class FileLock {
   FileLock(FileLock&& other) noexcept;
   FileLock& operator=(FileLock&&) = delete;
 
+  /// An exclusive lock, if that needs no waiting. @throws MissingResource if the file cannot be made.
+  static std::optional<FileLock> Try(const std::filesystem::path& file);
   /// Locks only if that needs no waiting. @returns whether it did.
   static bool TryExclusive(const std::filesystem::path& file, const std::function<void()>& then);
 
  private:
+  FileLock() = default;
   int descriptor_ = -1;
 };
 

@@ -22,9 +22,8 @@ std::string ShortLevel(const std::string& text) {
   const YAML::Node node = YAML::Load(text);
   if (node.IsScalar()) return node.Scalar();
   if (!node.IsMap()) return text;
-  const YAML::Node command = node["command"];
-  if (command.IsSequence() && command.size() > 0)
-    return node["name"].IsDefined() ? node["name"].Scalar() : fs::path(command[0].Scalar()).stem().string();
+  if (node["command"].IsDefined() && node["command"].IsSequence() && node["command"].size() > 0)
+    return node["name"].IsDefined() ? node["name"].Scalar() : fs::path(node["command"][0].Scalar()).stem().string();
   std::string name, rest;
   for (const auto& entry : node) {
     YAML::Emitter value;
