@@ -16,7 +16,7 @@ namespace {
 constexpr double kMostHz = 15;
 constexpr int kTiles = 12, kColumns = 3, kGap_px = 12, kCaption_px = 26, kTitle_px = 44;
 constexpr int kArrowStep_px = 28;  // between arrows, px of the tile
-const cv::Scalar kPaper(250, 250, 250), kInk(40, 36, 32), kFaint(120, 115, 110), kArrow(0, 90, 255);  // BGR
+const cv::Scalar kPaper(250, 250, 250), kInk(40, 36, 32), kFaint(120, 115, 110), kArrow(255, 240, 0);  // BGR
 
 /// A still picture of a walk's own size, its height brought to a usual one.
 cv::Mat ReadTile(const std::filesystem::path& file, double scale) {
