@@ -92,5 +92,36 @@ TEST(FloorGuess, TellsTheInverseDepthOfWhatLiesOnTheFloor) {
   EXPECT_FALSE(guess.At(floor.last, {0.1, 0.01})) << "too near the horizon to tell";
 }
 
+TEST(FloorGuess, BehindAWallsFootThereIsNoFloor) {
+  FloorMap floor;
+  const auto none = [](const Pose&, const Eigen::Vector2d&) { return std::optional<DepthGuess>(); };
+  FrameView view;  // sees the same floor again, and a poster on a wall 2 away
+  std::vector<LandmarkMatch> matches;
+  const int old = int(floor.map.landmarks().size());
+  for (const double x : {0.0, 0.2, 0.4, 0.6}) {
+    view.X_WC = Pose(Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0, 0));
+    view.xy.clear();
+    view.sigma.clear();
+    matches.clear();
+    for (int i = 0; i < 60; ++i) {
+      const bool is_floor = i < 48;
+      const Eigen::Vector3d p(0.2 + 0.02 * (i % 12), is_floor ? 0.5 : 0.1, is_floor ? 1.0 + 0.01 * i : 2.0);
+      view.xy.push_back((view.X_WC.Inverse() * p).hnormalized());
+      view.sigma.push_back(0.002);
+      if (x > 0) matches.push_back({old + i, i});
+    }
+    view.features.descriptors = cv::Mat::zeros(60, 4, CV_32FC1);
+    floor.map.AddKeyframe(view, matches, 2, none);
+  }
+  FloorGuess guess;
+  RandomStream random(7, "ransac");
+  guess.Update(floor.map, view.X_WC, random);
+  ASSERT_TRUE(guess.height());
+  const double u = (0.3 - view.X_WC.translation.x()) / 2.0;  // towards the poster
+  EXPECT_TRUE(guess.At(view.X_WC, {u, 0.4})) << "the floor before the wall";
+  EXPECT_FALSE(guess.At(view.X_WC, {u, 0.17})) << "2.9 away: the wall is in between";
+  EXPECT_TRUE(guess.At(view.X_WC, {u + 0.5, 0.17})) << "beside it";
+}
+
 }  // namespace
 }  // namespace gaitcam
