@@ -33,6 +33,13 @@ LandmarkMapOptions MapOptions(const FrameToFrameVoOptions& o) {
   return options;
 }
 
+/// Where a frame stands: relative to a chosen one, so that what is learnt of that one later moves it too.
+struct FrameRecord {
+  FrameEstimate answer;
+  int chosen = -1;
+  Pose X_KC;
+};
+
 /// Nothing is known of a place before it is seen twice.
 std::optional<DepthGuess> NoGuess(const Pose&, const Eigen::Vector2d&) { return {}; }
 
@@ -50,11 +57,12 @@ class FrameToFrameVo::Tracker {
 
   FrameEstimate Track(const Observation& observation) {
     const FrameEstimate answer = Answer(observation);
-    records_.push_back(answer);
+    records_.push_back({answer, -1, Pose()});
+    if (answer.pose) Attach(records_.back(), *answer.pose);
     if (has_points_ && !waiting_.empty()) PlaceWaiting();
     return answer;
   }
-  const std::vector<FrameEstimate>& Finish() const { return records_; }
+  std::vector<FrameEstimate> Finish() const;
 
  private:
   FrameEstimate Answer(const Observation& observation);
@@ -67,6 +75,7 @@ class FrameToFrameVo::Tracker {
   bool Start(FrameView& view);
   bool BeginReconstruction(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
   void PlaceWaiting();
+  void Attach(FrameRecord& record, const Pose& X_WC) const;
   bool Follow(FrameView& view);
   bool PlaceByPoints(FrameView& view);
   bool PlaceByTwoViews(FrameView& view);
@@ -105,7 +114,7 @@ class FrameToFrameVo::Tracker {
     FrameView view;
   };
   std::vector<Waiting> waiting_;  ///< Frames for the reconstruction to place once there is one.
-  std::vector<FrameEstimate> records_;
+  std::vector<FrameRecord> records_;
 };
 
 FrameEstimate FrameToFrameVo::Tracker::Answer(const Observation& observation) {
@@ -260,12 +269,27 @@ void FrameToFrameVo::Tracker::PlaceWaiting() {
     if (!placed) continue;
     prediction = placed->X_WC;
     begin = frame->record;
-    records_[begin].status = TrackingStatus::kTracking;
-    records_[begin].pose = placed->X_WC;
-    records_[begin].inliers = int(placed->inliers.size());
+    records_[begin].answer.status = TrackingStatus::kTracking;
+    records_[begin].answer.inliers = int(placed->inliers.size());
+    Attach(records_[begin], placed->X_WC);
   }
-  std::swap(records_[begin].restarted, records_.back().restarted);
+  std::swap(records_[begin].answer.restarted, records_.back().answer.restarted);
   waiting_.clear();
+}
+
+void FrameToFrameVo::Tracker::Attach(FrameRecord& record, const Pose& X_WC) const {
+  record.answer.pose = X_WC;
+  record.chosen = int(map_.keyframes().size()) - 1;
+  record.X_KC = map_.keyframes().back().Inverse() * X_WC;
+}
+
+std::vector<FrameEstimate> FrameToFrameVo::Tracker::Finish() const {
+  std::vector<FrameEstimate> frames;
+  for (const FrameRecord& record : records_) {
+    frames.push_back(record.answer);
+    if (record.chosen >= 0) frames.back().pose = map_.keyframes()[size_t(record.chosen)] * record.X_KC;
+  }
+  return frames;
 }
 
 /// With a reconstruction: the pose from its points and, where the frame makes a pair, from the two views.
@@ -419,6 +443,6 @@ FrameToFrameVo::~FrameToFrameVo() = default;
 
 FrameEstimate FrameToFrameVo::Track(const Observation& observation) { return tracker_->Track(observation); }
 
-const std::vector<FrameEstimate>& FrameToFrameVo::Finish() const { return tracker_->Finish(); }
+std::vector<FrameEstimate> FrameToFrameVo::Finish() const { return tracker_->Finish(); }
 
 }  // namespace gaitcam

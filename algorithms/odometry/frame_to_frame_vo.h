@@ -124,9 +124,10 @@ class FrameToFrameVo {
   /// @throws BadInput if the image's size is not the camera's.
   FrameEstimate Track(const Observation& observation);
 
-  /// The final word on every frame: as Track said, but for the frames that waited for a reconstruction to begin, which
-  /// are placed by it. The first of them is then the one that is marked `restarted`.
-  const std::vector<FrameEstimate>& Finish() const;
+  /// The final word on every frame: where later pairs have refined chosen frames, the frames about them move along.
+  /// Frames that waited for a reconstruction to begin are placed by it; the first of them is then the one that is
+  /// marked `restarted`.
+  std::vector<FrameEstimate> Finish() const;
 
  private:
   class Tracker;
