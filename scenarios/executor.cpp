@@ -152,8 +152,9 @@ void MakeRunFolders(const fs::path& runs) {
 
 }  // namespace internal
 
-WorkItem WorkItemOf(const ResolvedScenario& resolved, const std::string& label) {
-  return {HashOf(resolved), FramesHashOf(resolved), resolved.ToYaml(), ProgramsFingerprint(resolved.scenario), label};
+WorkItem WorkItemOf(const ResolvedScenario& resolved, const std::string& label, const fs::path& program) {
+  return {HashOf(resolved), FramesHashOf(resolved), resolved.ToYaml(), ProgramsFingerprint(resolved.scenario, program),
+          label};
 }
 
 ExecutorOutcome ExecuteLocally(const std::vector<WorkItem>& items, const ExecutorOptions& given) {

@@ -21,7 +21,9 @@ struct WorkItem {
   std::string label;          ///< For people: "exposure_ms=20, sift_vo, seed 3".
 };
 
-WorkItem WorkItemOf(const ResolvedScenario& resolved, const std::string& label);
+/// @param program the gaitcam that is to do it.
+WorkItem WorkItemOf(const ResolvedScenario& resolved, const std::string& label,
+                    const std::filesystem::path& program = "/proc/self/exe");
 
 struct ExecutorOptions {
   std::filesystem::path runs;  ///< Folder of the runs' folders.

@@ -1,5 +1,7 @@
 #include "scenarios/job.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -94,12 +96,22 @@ std::optional<Scores> ScoreInto(const Estimate& estimate, const CachedSequence& 
   }
 }
 
+std::string TrackingCsv(const Estimate& estimate) {
+  std::string text = "stamp_ns,status,restarted,features,inliers\n";
+  for (const FrameEstimate& frame : estimate.frames) {
+    text += fmt::format("{},{},{},{},{}\n", frame.stamp_ns, ToString(frame.status), int(frame.restarted),
+                        frame.features, frame.inliers);
+  }
+  return text;
+}
+
 }  // namespace
 
-std::string ProgramsFingerprint(const Scenario& scenario) {
-  if (!scenario.system.external) return ProgramFingerprint();
-  const fs::path program = scenario.system.external->command.front();
-  return ProgramFingerprint() + (fs::is_regular_file(program) ? "+" + Sha256OfFile(program) : "");
+std::string ProgramsFingerprint(const Scenario& scenario, const fs::path& program) {
+  const std::string ours = program == "/proc/self/exe" ? ProgramFingerprint() : Sha256OfFile(program);
+  if (!scenario.system.external) return ours;
+  const fs::path theirs = scenario.system.external->command.front();
+  return ours + (fs::is_regular_file(theirs) ? "+" + Sha256OfFile(theirs) : "");
 }
 
 bool RunJob(const ResolvedScenario& resolved, const JobOptions& options) {
@@ -120,6 +132,7 @@ bool RunJob(const ResolvedScenario& resolved, const JobOptions& options) {
   const std::optional<Scores> scores = ScoreInto(*estimate, *sequence, scenario.score, record);
   WriteTrajectory(folder.path() / "estimate.txt", estimate->ToTrajectory(), TrajectoryFormat::kTum);
   WriteTrajectory(folder.path() / "truth.txt", sequence->Truth(), TrajectoryFormat::kTum);
+  folder.WriteText("tracking.csv", TrackingCsv(*estimate));
   folder.WriteText("scenario.yaml", resolved.ToYaml());
   if (scores) folder.WriteText("scores.json", ScoresToJson(*scores));
   folder.WriteText("job.json", ToJson(record, ProgramsFingerprint(scenario)).dump(2) + "\n");

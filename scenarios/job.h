@@ -37,8 +37,9 @@ struct JobOptions {
   std::function<bool()> interrupted = [] { return false; };
 };
 
-/// Runs a scenario into runs/HASH: scenario.yaml (resolved), estimate.txt, truth.txt, scores.json, job.json. The folder
-/// appears whole or not at all. What too little was covered for, and a system that crashed, are results as well.
+/// Runs a scenario into runs/HASH: scenario.yaml (resolved), estimate.txt, truth.txt, tracking.csv (what the system
+/// said of every frame), scores.json, job.json. The folder appears whole or not at all. What too little was covered
+/// for, and a system that crashed, are results as well.
 /// @returns false if it was interrupted. @throws BadInput, MissingResource.
 bool RunJob(const ResolvedScenario& resolved, const JobOptions& options);
 
@@ -48,7 +49,8 @@ std::optional<JobRecord> FindJob(const std::filesystem::path& runs, const Resolv
 std::optional<JobRecord> FindJob(const std::filesystem::path& runs, const std::string& hash,
                                  const std::string& program_fingerprint);
 
-/// What a run depends on besides its scenario: this program, and the executable if its system is one.
-std::string ProgramsFingerprint(const Scenario& scenario);
+/// What a run depends on besides its scenario: this program, or another one named, and the executable if its system is
+/// one.
+std::string ProgramsFingerprint(const Scenario& scenario, const std::filesystem::path& program = "/proc/self/exe");
 
 }  // namespace gaitcam

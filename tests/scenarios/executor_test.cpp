@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "algorithms/core/errors.h"
-#include "algorithms/io/checksum.h"
 #include "tests/scenarios/program.h"
 #include "tests/scenarios/temporary_folder.h"
 
@@ -35,12 +34,7 @@ class ExecutorTest : public testing::Test {
         << more;
     return ReadScenario(temporary_.path() / "s.yaml", {});
   }
-  /// The item as the program under test would name it.
-  WorkItem Item(const std::string& more) {
-    WorkItem item = WorkItemOf(Scenario(more), "");
-    item.programs = Sha256OfFile(options_.program);
-    return item;
-  }
+  WorkItem Item(const std::string& more) { return WorkItemOf(Scenario(more), "", options_.program); }
   std::optional<JobRecord> Find(const WorkItem& item) { return FindJob(options_.runs, item.hash, item.programs); }
   int CachedSequences() const {
     int count = 0;
