@@ -226,7 +226,11 @@ ResolvedScenario SuiteEntry::WithSeed(uint64_t seed) const {
 
 std::vector<SuiteEntry> Suite::EntriesOf(const WorseSystem& worse) const {
   std::vector<SuiteEntry> made;
-  ModelShelf shelf;
+  ModelShelf shelf;  // robots and places are those that the suite was read with
+  for (const SuiteEntry& entry : entries) {
+    shelf.robots.emplace(entry.resolved.scenario.robot, entry.resolved.robot);
+    shelf.places.emplace(entry.resolved.scenario.place, entry.resolved.place);
+  }
   for (const SuiteEntry& entry : entries) {
     if (!worse.systems.empty() &&
         std::find(worse.systems.begin(), worse.systems.end(), entry.system) == worse.systems.end())
