@@ -6,12 +6,16 @@ namespace {
 constexpr std::string_view kStyle = R"css(
 .pill.quiet { color: var(--muted); background: var(--soft); font-weight: 500; }
 .effects td, .effects th { padding-right: .7rem; white-space: nowrap; }
-.effects td:nth-child(2) { white-space: normal; min-width: 15rem; }
-.effects thead th:nth-child(4), .effects thead th:nth-child(5), .effects thead th:nth-child(6), .effects thead th:nth-child(7), .effects thead th:nth-child(10) { text-align: right; }
+.effects td:nth-child(3) { white-space: normal; min-width: 13rem; }
+.effects .pill { font-size: .76rem; padding: .05rem .55rem; }
+.effects td { font-size: .84rem; }
+.more { margin-top: .75rem; }
+.note.after { margin-top: 1rem; }
+.effects thead th:nth-child(5), .effects thead th:nth-child(6), .effects thead th:nth-child(7), .effects thead th:nth-child(8), .effects thead th:nth-child(10) { text-align: right; }
 .effects .within { color: var(--muted); }
 td.number.plain { font-weight: 400; }
 .effects svg { display: block; }
-.effects svg .zero { stroke: var(--line); }
+.effects svg .zero { stroke: var(--muted); opacity: .45; }
 .effects svg .bar { stroke-width: 2; }
 .effects svg line.good { stroke: var(--good); } .effects svg circle.good { fill: var(--good); }
 .effects svg line.bad { stroke: var(--bad); } .effects svg circle.bad { fill: var(--bad); }
@@ -59,7 +63,8 @@ const bars = {
 
 function scaleY(c, values) {
   const more = {afterFit: s => { s.width = Math.max(s.width, 58); }};
-  if (!c.log) return axis(c.y, Object.assign(more, {beginAtZero: true, grace: '5%'}));
+  if (c.ratio) return axis(c.y, Object.assign(more, {beginAtZero: true, max: 1.03, afterBuildTicks: s => { s.ticks = [0, .2, .4, .6, .8, 1].map(value => ({value})); }}));
+  if (!c.log) return axis(c.y, Object.assign(more, {beginAtZero: true, suggestedMax: 1.04 * Math.max(...values)}));
   more.type = 'logarithmic';
   more.min = Math.min(...values) / 1.3; more.max = Math.max(...values) * 1.3;
   const y = axis(c.y + ' (logarithmic)', more);
@@ -92,7 +97,7 @@ function scatter(canvas, c) {
     for (const p of s.points) values.push(p.y);
     sets.push(line('s' + k, s.name + ', medians', s.colour, s.medians, {pointRadius: 5, pointStyle: 'rectRot', borderWidth: 2, order: 1,
       pointBorderColor: css('card'), pointBorderWidth: 1}));
-    sets.push(line('s' + k, s.name, s.colour, s.points, {showLine: false, pointRadius: 2.6, order: 2, backgroundColor: css(s.colour) + '66', borderColor: css(s.colour) + '66', pointBorderWidth: 0}));
+    sets.push(line('s' + k, s.name, s.colour, s.points, {showLine: false, pointRadius: 3, order: 2, backgroundColor: css(s.colour) + '80', borderColor: css(s.colour) + '80', pointBorderWidth: 0}));
   });
   const o = options(axis(c.x, {beginAtZero: true}), scaleY(c, values));
   o.interaction = {mode: 'nearest', axis: 'xy', intersect: false};

@@ -24,7 +24,8 @@ using internal::ThreeDigits;
 
 constexpr const char* kColours[] = {"sim3", "se3", "green", "purple", "truth", "muted"};
 constexpr size_t kMostPoints = 1500;  // of one series of a scatter plot
-constexpr size_t kMostEffects = 40;   // rows of the table on the page
+constexpr size_t kFirstEffects = 15;  // rows of the table on the page that are seen at once
+constexpr size_t kMostEffects = 200;  // ... and that are there
 constexpr size_t kMostCellsOfMap = 400;
 
 Json Rounded(double value) { return std::isfinite(value) ? Json(std::stod(fmt::format("{:.5g}", value))) : Json(); }
@@ -34,7 +35,7 @@ std::string Percent(double part) { return fmt::format("{:g} %", 100 * part); }
 /// "position error after Sim(3) alignment, root mean square, m".
 std::string AxisTitle(const Score& metric) {
   std::string text = metric.name == "coverage_ratio" ? "part of frames with a pose" : metric.meaning;
-  if (text.size() > 60) text = metric.name;
+  if (text.size() > 36) return metric.name;  // units are in names, too
   return metric.unit.empty() ? text : text + ", " + (metric.unit == "deg" ? "°" : metric.unit);
 }
 
@@ -93,8 +94,10 @@ bool WantsLogarithm(double low, double high) { return low > 0 && high > 25 * low
 Json EffectChart(const StudyReportInput& input, const Medians& medians, size_t axis, const Score& metric) {
   const StudyAxis& a = input.table->axes[axis];
   const std::vector<double> numbers = a.Numbers();
-  Json json{{"kind", "effect"},       {"x", a.Title()},     {"y", AxisTitle(metric)}, {"numeric", !numbers.empty()},
-            {"ticks", Json::array()}, {"labels", a.levels}, {"series", Json::array()}};
+  Json json{{"kind", "effect"},        {"x", a.Title()},
+            {"y", AxisTitle(metric)},  {"numeric", !numbers.empty()},
+            {"ticks", Json::array()},  {"labels", a.levels},
+            {"series", Json::array()}, {"ratio", metric.name == "coverage_ratio"}};
   for (size_t level = 0; level < a.levels.size(); ++level)
     json["ticks"].push_back(numbers.empty() ? double(level) : numbers[level]);
   double low = INFINITY, high = 0;
@@ -140,6 +143,7 @@ Json ScatterChart(const StudyReportInput& input, const Score& metric) {
   Json json{{"kind", "scatter"},
             {"x", "motion blur of the run: median extent, px"},
             {"y", AxisTitle(metric)},
+            {"ratio", metric.name == "coverage_ratio"},
             {"series", Json::array()}};
   double low = INFINITY, high = 0;
   for (const Series& series : SeriesOf(input, input.table->axes.size())) {
@@ -253,42 +257,58 @@ std::string EffectRow(const StudyReportInput& input, const StudyEffect& e, size_
   const std::string part =
       e.pairs > 0 && e.reference != 0 ? fmt::format("{:+.0f} %", 100 * e.shift / std::abs(e.reference)) : "";
   const std::string ends = std::isfinite(e.ends.low)
-                               ? fmt::format("[{}, {}]", ScoreText(e.ends.low), ScoreText(e.ends.high))
+                               ? fmt::format("[{}, {}]", ThreeDigits(e.ends.low), ThreeDigits(e.ends.high))
                                : "<span title=\"too few pairs for an interval\">&ndash;</span>";
   return fmt::format(
-      "<tr><td class=\"number\">{}</td><td>{}</td><td><code>{}</code></td><td class=\"number plain\">{}</td><td "
-      "class=\"number plain\">{}</td><td class=\"number\">{}</td><td class=\"number plain\">{}</td><td>{}</td><td "
-      "class=\"number plain\">{}</td><td class=\"number plain\">{}</td><td><span class=\"pill "
-      "{}\">{}</span></td></tr>\n",
-      rank, what, e.metric.name, e.pairs, e.pairs > 0 ? ScoreText(e.reference) : "&ndash;",
-      e.pairs > 0 ? ScoreText(e.shift) : "&ndash;", ends, EffectBar(e, verdict), part, PText(e.p_holm),
+      "<tr><td class=\"number\">{}</td><td><span class=\"pill "
+      "{}\">{}</span></td><td>{}</td><td><code>{}</code></td><td "
+      "class=\"number plain\">{}</td><td class=\"number plain\">{}</td><td class=\"number\">{}</td><td class=\"number "
+      "plain\">{}</td><td>{}</td><td class=\"number plain\">{}</td><td class=\"number plain\">{}</td></tr>\n",
+      rank,
       verdict > 0   ? "good"
       : verdict < 0 ? "bad"
                     : "quiet",
       verdict > 0   ? "better"
       : verdict < 0 ? "worse"
       : sure        ? "differs"
-                    : "not sure");
+                    : "not sure",
+      what, e.metric.name, e.pairs, e.pairs > 0 ? ThreeDigits(e.reference) : "&ndash;",
+      e.pairs > 0 ? ThreeDigits(e.shift) : "&ndash;", ends, EffectBar(e, verdict), part, PText(e.p_holm));
+}
+
+std::string EffectRows(const StudyReportInput& input, size_t begin, size_t end) {
+  std::string html = fmt::format(
+      "<table class=\"effects\">\n<thead><tr><th></th><th></th><th>change</th><th>score</th><th>pairs</th>"
+      "<th>reference</th><th>shift</th><th>{} interval</th><th colspan=\"2\">of the "
+      "reference</th><th>p</th></tr></thead>\n"
+      "<tbody>\n",
+      Percent(input.statistics.confidence));
+  for (size_t i = begin; i < end; ++i) html += EffectRow(input, (*input.effects)[i], i + 1);
+  return html + "</tbody></table>\n";
 }
 
 std::string EffectTable(const StudyReportInput& input) {
-  const size_t shown = std::min(kMostEffects, input.effects->size());
+  const std::string percent = Percent(input.statistics.confidence);
   std::string html = fmt::format(
       "<h2>What made a difference</h2>\n<p class=\"note\">Each level against its axis's reference, paired by seed and "
       "by "
       "the levels of all other axes, the surest first. <b>Shift</b>: Hodges-Lehmann estimate of the change, with its "
-      "{} interval (signed-rank test inverted). <b>p</b>: Wilcoxon's signed-rank test, two-sided, corrected for all {} "
+      "{0} interval (signed-rank test inverted). <b>p</b>: Wilcoxon's signed-rank test, two-sided, corrected for all "
+      "{1} "
       "comparisons (Holm). Bars: shift and interval as parts of the reference's median, from &minus;100 % to +100 %. "
       "Scores that are best near 1 or 0 are compared by their distance from it. Pairs that share a seed share its "
-      "walk, so p is a little too small.</p>\n<div class=\"panel scroll\"><table class=\"effects\">\n"
-      "<thead><tr><th></th><th>change</th><th>score</th><th>pairs</th><th>reference</th><th>shift</th>"
-      "<th>{} interval</th><th>of the reference</th><th></th><th>p</th><th></th></tr></thead>\n<tbody>\n",
-      Percent(input.statistics.confidence), input.effects->size(), Percent(input.statistics.confidence));
-  for (size_t i = 0; i < shown; ++i) html += EffectRow(input, (*input.effects)[i], i + 1);
-  html += "</tbody></table></div>\n";
+      "walk, so p is a little too small.</p>\n",
+      percent, input.effects->size());
+  const size_t first = std::min(kFirstEffects, input.effects->size());
+  const size_t shown = std::min(kMostEffects, input.effects->size());
+  html += "<div class=\"panel scroll\">" + EffectRows(input, 0, first) + "</div>\n";
+  if (shown > first) {
+    html += fmt::format(
+        "<details class=\"panel scroll more\"><summary>{} more comparisons, none surer</summary>{}</details>\n",
+        shown - first, EffectRows(input, first, shown));
+  }
   if (shown < input.effects->size())
-    html +=
-        fmt::format("<p class=\"note\">{} more, none surer, are in effects.csv.</p>\n", input.effects->size() - shown);
+    html += fmt::format("<p class=\"note\">{} more are in effects.csv.</p>\n", input.effects->size() - shown);
   return html;
 }
 
@@ -412,7 +432,7 @@ std::string StudyReportHtml(const StudyReportInput& input) {
   page.title = table.name;
   page.body = Header(table) + Banners(table) + Cards(input) + EffectTable(input);
   page.body += fmt::format(
-      "<p class=\"note\">In the charts below a point is the median over all runs at that level, whatever the other "
+      "<p class=\"note after\">In the charts below a point is the median over all runs at that level, whatever the other "
       "axes "
       "and the seed; bars are its {} bootstrap interval ({} resamples). Point at one for its numbers.</p>\n",
       Percent(input.statistics.confidence), input.statistics.resamples);

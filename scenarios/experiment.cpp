@@ -81,7 +81,8 @@ ResolvedScenario Resolve(const YamlNode& root, const ExperimentOptions& options,
 std::string AboutKey(const std::string& message, const std::string& key, const std::string& value) {
   const std::string set = "--set " + key + "=" + value + ": ";
   if (message.starts_with(set)) return message.substr(set.size());
-  return message.starts_with(key + ":") || message.starts_with(key + ".") ? message : "";
+  if (message.starts_with(key + ": ")) return message.substr(key.size() + 2);
+  return message.starts_with(key + ".") ? message : "";
 }
 
 /// Where a level stands: in its axis, or in the entry of the list that has all of them.

@@ -1,10 +1,8 @@
 #include "scenarios/slurm_executor.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -35,16 +33,6 @@ std::string Quoted(const std::string& word) {
   return quoted + "'";
 }
 
-bool IsInPath(const std::string& program) {
-  const char* path = std::getenv("PATH");
-  std::stringstream folders(path == nullptr ? "" : path);
-  std::string folder;
-  while (std::getline(folders, folder, ':')) {
-    if (!folder.empty() && access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
-  }
-  return false;
-}
-
 /// What a Slurm command said, and how it ended.
 struct Answer {
   Ending ending;
@@ -56,7 +44,7 @@ class SlurmJob {
  public:
   SlurmJob(fs::path runs, SlurmOptions options) : runs_(std::move(runs)), options_(std::move(options)) {
     for (const char* program : {"sbatch", "squeue", "scancel"}) {
-      if (IsInPath(program)) continue;
+      if (IsProgram(program)) continue;
       throw MissingResource(
           fmt::format("there is no {} on this machine; install Slurm (Debian: slurm-client), or "
                       "leave out --executor slurm",

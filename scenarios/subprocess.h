@@ -43,6 +43,9 @@ class Subprocess {
   std::optional<Ending> ending_;
 };
 
+/// Whether there is such a program: in PATH unless its name has a "/".
+bool IsProgram(const std::string& name);
+
 /// The last line of a text file that is not blank; empty if there is none.
 std::string LastLine(const std::filesystem::path& file);
 
