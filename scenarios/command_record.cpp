@@ -4,6 +4,7 @@
 
 #include "scenarios/commands.h"
 #include "scenarios/interrupt.h"
+#include "scenarios/preview.h"
 #include "scenarios/record_matrix.h"
 #include "scenarios/recorder.h"
 
@@ -20,6 +21,19 @@ SequenceOptions OptionsOf(const RecordArguments& arguments) {
   return options;
 }
 
+/// A recording whose pairs and pictures found no room is not left behind without them.
+SequenceRecord DescribeOrRemove(const DatasetFolders& folders, const SequenceOptions& options,
+                                const std::string& title) {
+  try {
+    return DescribeRecording(folders, options, title);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove_all(folders.sensors, ignored);
+    fs::remove_all(folders.truth, ignored);
+    throw;
+  }
+}
+
 /// One scenario into OUT/NAME and OUT/NAME-truth. What was filmed until Ctrl-C is kept.
 int RecordOne(const RecordArguments& arguments, const CommonOptions& common) {
   const ResolvedScenario resolved = ReadScenario(arguments.scenario.file, arguments.scenario.Assignments());
@@ -33,7 +47,7 @@ int RecordOne(const RecordArguments& arguments, const CommonOptions& common) {
   fs::path out = arguments.out;
   if (out.empty()) out = fmt::format("datasets/{}-seed{}", scenario.name, scenario.seed);
   const RecordOutcome outcome = RecordScenario(resolved, DatasetFolders::In(out, scenario.name), options);
-  const SequenceRecord record = DescribeRecording(outcome.folders, sequence, scenario.name);
+  const SequenceRecord record = DescribeOrRemove(outcome.folders, sequence, scenario.name);
   if (common.json) {
     fmt::print("{}\n", nlohmann::ordered_json{{"sensors", outcome.folders.sensors.string()},
                                               {"truth", outcome.folders.truth.string()},
@@ -113,10 +127,12 @@ int RecordMany(const RecordArguments& arguments, const CommonOptions& common) {
 }  // namespace
 
 int RecordCommand(const RecordArguments& arguments, const CommonOptions& common) {
+  MakeFilmsRepeatable();
   return IsMatrix(arguments.scenario.file) ? RecordMany(arguments, common) : RecordOne(arguments, common);
 }
 
 int FilmCommand(const FilmArguments& arguments, const CommonOptions&) {
+  MakeFilmsRepeatable();
   return FilmSequence(arguments.dataset, arguments.name);
 }
 
