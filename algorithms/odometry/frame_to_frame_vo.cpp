@@ -9,6 +9,7 @@
 #include "algorithms/geometry/robust.h"
 #include "algorithms/geometry/triangulation.h"
 #include "algorithms/geometry/two_view.h"
+#include "algorithms/odometry/floor_guess.h"
 #include "algorithms/odometry/landmark_map.h"
 #include "algorithms/odometry/landmark_pose.h"
 
@@ -40,9 +41,6 @@ struct FrameRecord {
   Pose X_KC;
 };
 
-/// Nothing is known of a place before it is seen twice.
-std::optional<DepthGuess> NoGuess(const Pose&, const Eigen::Vector2d&) { return {}; }
-
 }  // namespace
 
 class FrameToFrameVo::Tracker {
@@ -53,38 +51,43 @@ class FrameToFrameVo::Tracker {
         detector_(MakeFeature2d(options.feature, options.sensitivity)),
         random_(seed, "frame_to_frame_vo"),
         threshold_(options.threshold_px / camera.fx),
+        placer_(camera.fx, options.matching.ratio, options.landmarks),
         map_(MapOptions(options)) {}
 
   FrameEstimate Track(const Observation& observation) {
     const FrameEstimate answer = Answer(observation);
     records_.push_back({answer, -1, Pose()});
     if (answer.pose) Attach(records_.back(), *answer.pose);
-    if (has_points_ && !waiting_.empty()) PlaceWaiting();
+    if (has_points_ && !waiting_.empty()) PlaceWaiting(observation.stamp_ns);
     return answer;
   }
   std::vector<FrameEstimate> Finish() const;
 
  private:
   FrameEstimate Answer(const Observation& observation);
-  FrameView Look(const cv::Mat& image) const;
   std::vector<Match> MatchWithChosen(const FrameView& view) const;
   std::vector<PointPair> PairsOf(const FrameView& view, const std::vector<Match>& matches) const;
   RansacOptions Robustly() const;
-  LandmarkPoseOptions ByPoints() const;
+  LandmarkMap::Guess Guess() const {
+    return [this](const Pose& X_WC, const Eigen::Vector2d& xy) { return floor_.At(X_WC, xy); };
+  }
+  bool ByPointsAlone() const { return options_.placing == "points"; }
 
   bool Start(FrameView& view);
   bool BeginReconstruction(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
-  void PlaceWaiting();
+  void PlaceWaiting(int64_t stamp_ns);
+  void PlaceMissed(const FrameView& view, int64_t stamp_ns);
   void Attach(FrameRecord& record, const Pose& X_WC) const;
-  bool Follow(FrameView& view);
-  bool PlaceByPoints(FrameView& view);
+  void Attach(FrameRecord& record, const LandmarkPose& placed) const;
+  bool Follow(FrameView& view, int64_t stamp_ns);
+  bool PlaceByPoints(FrameView& view, int64_t stamp_ns);
   bool PlaceByTwoViews(FrameView& view);
   std::optional<double> ScaleFromCommonPoints(const FrameView& view, const std::vector<Match>& matches,
                                               const TwoView& two_view);
   TwoView Reconstruct(const std::vector<PointPair>& pairs);
   bool IsPairDue(const FrameView& view) const;
   bool MakesAPair(const FrameView& view);
-  void Choose(FrameView view);
+  void Choose(FrameView& view);
   std::vector<std::optional<double>> DepthsOfPair(const FrameView& view) const;
   std::optional<double> Depth(const Pose& X_AB, const PointPair& pair) const;
   void GiveUp();
@@ -97,14 +100,17 @@ class FrameToFrameVo::Tracker {
 
   std::optional<FrameView> chosen_;            ///< The last chosen frame: first view of the next pair.
   std::vector<std::optional<double>> depths_;  ///< two_view: of its features, as the last pair has them.
-  LandmarkMap map_;                            ///< The points that the latest chosen frames saw.
-  bool has_points_ = false;                    ///< false: no reconstruction yet.
-  std::vector<LandmarkMatch> inliers_;         ///< That agree with the present pose.
-  int most_inliers_ = 0;                       ///< Of a frame since the last chosen one.
-  double usual_inliers_ = 0;                   ///< Per frame, lately.
-  int waiting_frames_ = 0;                     ///< Since a pair was due.
+  LandmarkPlacer placer_;
+  FloorGuess floor_;
+  LandmarkMap map_;                     ///< The points that the latest chosen frames saw.
+  bool has_points_ = false;             ///< false: no reconstruction yet.
+  std::vector<LandmarkMatch> inliers_;  ///< That agree with the present pose.
+  int most_inliers_ = 0;                ///< Of a frame since the last chosen one.
+  double usual_inliers_ = 0;            ///< Per frame, lately.
+  int waiting_frames_ = 0;              ///< Since a pair was due.
 
   std::optional<Pose> X_WC_last_;  ///< Last known pose, over all restarts.
+  int64_t last_ns_ = 0;            ///< Its stamp.
   double median_depth_ = 1;        ///< In the last chosen frame; the unit when a path begins.
   int lost_frames_ = 0;
   int start_frames_ = 0;  ///< Frames since there was a reconstruction, or since the first.
@@ -112,55 +118,45 @@ class FrameToFrameVo::Tracker {
   struct Waiting {
     size_t record = 0;
     FrameView view;
+    int64_t stamp_ns = 0;
   };
   std::vector<Waiting> waiting_;  ///< Frames for the reconstruction to place once there is one.
+  std::vector<Waiting> missed_;   ///< Frames without a pose since the last one that has one.
   std::vector<FrameRecord> records_;
 };
 
 FrameEstimate FrameToFrameVo::Tracker::Answer(const Observation& observation) {
   FrameEstimate answer;
   answer.stamp_ns = observation.stamp_ns;
-  FrameView view = Look(observation.image.pixels);
+  FrameView view = ViewFrame(observation.image.pixels, camera_, *detector_, options_.max_features,
+                             {options_.landmarks.sigma_px, options_.landmarks.sigma_per_size});  // step 1
   answer.features = view.features.size();
   inliers_.clear();
   const bool had_points = has_points_;
-  const bool found = had_points ? Follow(view) : Start(view);
+  const bool found = had_points ? Follow(view, answer.stamp_ns) : Start(view);
   answer.inliers = int(inliers_.size());
   if (!found) {
     constexpr size_t kMostWaiting = 60;  // frames: their features take memory
-    if (!had_points && waiting_.size() < kMostWaiting) waiting_.push_back({records_.size(), std::move(view)});
+    std::vector<Waiting>& later = had_points ? missed_ : waiting_;
+    if (later.size() < kMostWaiting) later.push_back({records_.size(), std::move(view), answer.stamp_ns});
     answer.status = X_WC_last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
     if (had_points && ++lost_frames_ > options_.max_lost_frames) GiveUp();
     return answer;
   }
   lost_frames_ = 0;
   answer.status = TrackingStatus::kTracking;
-  answer.pose = view.X_WC;
   answer.restarted = !had_points && X_WC_last_.has_value();
-  X_WC_last_ = view.X_WC;
-  if (!had_points) return answer;
-  if (MakesAPair(view)) {
-    Choose(std::move(view));
-  } else {
-    map_.Refresh(view, inliers_);
+  if (had_points) {
+    if (MakesAPair(view)) {
+      Choose(view);
+    } else {
+      map_.Refresh(view, inliers_);
+    }
+    PlaceMissed(view, answer.stamp_ns);
   }
+  answer.pose = X_WC_last_ = view.X_WC;
+  last_ns_ = answer.stamp_ns;
   return answer;
-}
-
-/// Step 1.
-FrameView FrameToFrameVo::Tracker::Look(const cv::Mat& image) const {
-  if (image.cols != camera_.width_px || image.rows != camera_.height_px) {
-    throw BadInput("the frame has " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
-                   " pixels, but the calibration says " + std::to_string(camera_.width_px) + " x " +
-                   std::to_string(camera_.height_px));
-  }
-  FrameView view;
-  view.features = DetectFeatures(*detector_, image, options_.max_features);
-  for (const cv::KeyPoint& keypoint : view.features.keypoints) {
-    view.xy.push_back(camera_.Unproject({keypoint.pt.x, keypoint.pt.y}).head<2>());
-    view.sigma.push_back((options_.sigma_px + options_.sigma_per_size * keypoint.size) / camera_.fx);
-  }
-  return view;
 }
 
 /// Step 2.
@@ -183,23 +179,11 @@ RansacOptions FrameToFrameVo::Tracker::Robustly() const {
   return robustly;
 }
 
-LandmarkPoseOptions FrameToFrameVo::Tracker::ByPoints() const {
-  LandmarkPoseOptions options;
-  options.search.radius = options_.search_deg * kRadPerDeg;
-  options.search.ratio = options_.matching.ratio;
-  options.search.same_place = 2 / camera_.fx;  // px
-  options.threshold = 1.5 * threshold_;        // the points have their own error
-  options.min_inliers = options_.min_matches;
-  options.confidence = options_.ransac_confidence;
-  options.iterations = options_.ransac_iterations;
-  return options;
-}
-
 /// Steps 3 to 5: hypotheses from five pairs, the best by distances from epipolar lines, the decomposition with most
 /// points in front.
 TwoView FrameToFrameVo::Tracker::Reconstruct(const std::vector<PointPair>& pairs) {
   const auto found = EstimateEssential(pairs, Robustly(), random_, EpipolarDistance2);
-  if (int(found.inliers.size()) < options_.min_matches) return {};
+  if (int(found.inliers.size()) < options_.landmarks.min_inliers) return {};
   if (options_.refine) return RefineTwoView(pairs, found.model, found.inliers, threshold_);
   const RelativeMotion motion = ChooseByDepth(found.model, pairs, found.inliers);
   return DescribeTwoView(pairs, motion, threshold_);
@@ -250,7 +234,7 @@ bool FrameToFrameVo::Tracker::BeginReconstruction(FrameView& view, const std::ve
   const double unit = median_depth_ / Median(known);
   chosen_->X_WC = X_WC_last_.value_or(Pose());
   view.X_WC = chosen_->X_WC * Pose(two_view.X_AB.rotation, unit * two_view.X_AB.translation);
-  map_.AddKeyframe(*chosen_, {}, median_depth_, NoGuess);  // its features are the map's landmarks now, in order
+  map_.AddKeyframe(*chosen_, {}, median_depth_, Guess());  // its features are the map's landmarks now, in order
   for (size_t i = 0; i < pairs.size(); ++i) {
     if (depths[i]) map_.SetDepth(pairs[i].landmark, 1 / (unit * *depths[i]));
   }
@@ -261,26 +245,45 @@ bool FrameToFrameVo::Tracker::BeginReconstruction(FrameView& view, const std::ve
 }
 
 /// For the final word, from the latest back to the first. A new path is marked where it now begins.
-void FrameToFrameVo::Tracker::PlaceWaiting() {
-  Pose prediction = *X_WC_last_;
+void FrameToFrameVo::Tracker::PlaceWaiting(int64_t stamp_ns) {
+  LandmarkPoseGuess guess;
+  guess.X_WC = *X_WC_last_;
+  guess.usual_inliers = double(inliers_.size());
   size_t begin = records_.size() - 1;
   for (auto frame = waiting_.rbegin(); frame != waiting_.rend(); ++frame) {
-    const auto placed = PlaceByLandmarks(map_, frame->view, prediction, 1, ByPoints(), random_);
+    guess.prior = placer_.Expect(guess.X_WC.translation, stamp_ns - frame->stamp_ns, median_depth_);
+    const auto placed = placer_.PlaceWithNoise(map_, frame->view, guess, 1, random_);
     if (!placed) continue;
-    prediction = placed->X_WC;
+    guess.X_WC = placed->X_WC;
+    stamp_ns = frame->stamp_ns;
     begin = frame->record;
-    records_[begin].answer.status = TrackingStatus::kTracking;
-    records_[begin].answer.inliers = int(placed->inliers.size());
-    Attach(records_[begin], placed->X_WC);
+    Attach(records_[begin], *placed);
   }
   std::swap(records_[begin].answer.restarted, records_.back().answer.restarted);
   waiting_.clear();
+}
+
+/// Frames that were lost between two that have a pose have better expectations now: for the final word.
+void FrameToFrameVo::Tracker::PlaceMissed(const FrameView& view, int64_t stamp_ns) {
+  const StampedPlace before{*X_WC_last_, last_ns_}, after{view.X_WC, stamp_ns};
+  for (const Waiting& frame : missed_) {
+    const auto placed =
+        placer_.PlaceBetween(map_, frame.view, frame.stamp_ns, before, after, median_depth_, usual_inliers_, random_);
+    if (placed) Attach(records_[frame.record], *placed);
+  }
+  missed_.clear();
 }
 
 void FrameToFrameVo::Tracker::Attach(FrameRecord& record, const Pose& X_WC) const {
   record.answer.pose = X_WC;
   record.chosen = int(map_.keyframes().size()) - 1;
   record.X_KC = map_.keyframes().back().Inverse() * X_WC;
+}
+
+void FrameToFrameVo::Tracker::Attach(FrameRecord& record, const LandmarkPose& placed) const {
+  record.answer.status = TrackingStatus::kTracking;
+  record.answer.inliers = int(placed.inliers.size());
+  Attach(record, placed.X_WC);
 }
 
 std::vector<FrameEstimate> FrameToFrameVo::Tracker::Finish() const {
@@ -293,36 +296,35 @@ std::vector<FrameEstimate> FrameToFrameVo::Tracker::Finish() const {
 }
 
 /// With a reconstruction: the pose from its points and, where the frame makes a pair, from the two views.
-bool FrameToFrameVo::Tracker::Follow(FrameView& view) {
-  const bool placed = PlaceByPoints(view);
-  if (options_.placing == "points" || (placed && !IsPairDue(view))) return placed;
+bool FrameToFrameVo::Tracker::Follow(FrameView& view, int64_t stamp_ns) {
+  const bool placed = PlaceByPoints(view, stamp_ns);
+  if (ByPointsAlone() || (placed && !IsPairDue(view))) return placed;
   return PlaceByTwoViews(view) || placed;
 }
 
-/// A frame that is blurred more than its features can tell places them badly: where nothing agrees, a second look
-/// expects more noise.
-bool FrameToFrameVo::Tracker::PlaceByPoints(FrameView& view) {
-  for (const double noise : {1.0, options_.blurred_noise}) {
-    const auto placed = PlaceByLandmarks(map_, view, X_WC_last_.value_or(Pose()), noise, ByPoints(), random_);
-    if (!placed) continue;
-    view.X_WC = placed->X_WC;
-    inliers_ = placed->inliers;
-    return true;
-  }
-  return false;
+bool FrameToFrameVo::Tracker::PlaceByPoints(FrameView& view, int64_t stamp_ns) {
+  LandmarkPoseGuess guess;
+  guess.X_WC = *X_WC_last_;
+  guess.prior = placer_.Expect(X_WC_last_->translation, stamp_ns - last_ns_, median_depth_);
+  guess.usual_inliers = usual_inliers_;
+  const auto placed = placer_.Place(map_, view, guess, random_);
+  if (!placed) return false;
+  view.X_WC = placed->X_WC;
+  inliers_ = placed->inliers;
+  return true;
 }
 
 /// Steps 3 to 6 between the last chosen frame and this one. Leaves `view` alone where the two views do not tell.
 bool FrameToFrameVo::Tracker::PlaceByTwoViews(FrameView& view) {
   const std::vector<Match> matches = MatchWithChosen(view);
-  if (int(matches.size()) < options_.min_matches) return false;
+  if (int(matches.size()) < options_.landmarks.min_inliers) return false;
   const TwoView two_view = Reconstruct(PairsOf(view, matches));
   if (two_view.inliers.empty() || two_view.rotation_only || two_view.alternative) return false;
   if (two_view.direction_sigma > options_.max_direction_deg * kRadPerDeg) return false;
   const std::optional<double> scale = ScaleFromCommonPoints(view, matches, two_view);
   if (!scale) return false;
   view.X_WC = chosen_->X_WC * Pose(two_view.X_AB.rotation, *scale * two_view.X_AB.translation);
-  inliers_ = FindLandmarks(map_, view, ByPoints());
+  inliers_ = placer_.Find(map_, view);
   return true;
 }
 
@@ -342,7 +344,7 @@ std::optional<double> FrameToFrameVo::Tracker::ScaleFromCommonPoints(const Frame
   const auto solve = [&](const std::vector<int>& one) { return std::vector<double>{log_ratios[size_t(one[0])]}; };
   const auto error2 = [&](double log_scale, int i) { return std::pow(log_ratios[size_t(i)] - log_scale, 2); };
   const auto found = Ransac<double>(int(log_ratios.size()), 1, robustly, random_, solve, error2);
-  if (int(found.inliers.size()) < options_.min_matches) return std::nullopt;
+  if (int(found.inliers.size()) < options_.landmarks.min_inliers) return std::nullopt;
   double mean = 0;
   for (const int i : found.inliers) mean += log_ratios[size_t(i)] / double(found.inliers.size());
   return std::exp(mean);
@@ -353,14 +355,8 @@ bool FrameToFrameVo::Tracker::IsPairDue(const FrameView& view) const {
   if (options_.pair_displacement_px == 0) return true;
   if (usual_inliers_ < options_.pair_overlap * most_inliers_) return true;
   if (RotationAngle(chosen_->X_WC.rotation, view.X_WC.rotation) > options_.pair_turn_deg * kRadPerDeg) return true;
-  const Eigen::Vector3d baseline = view.X_WC.translation - chosen_->X_WC.translation;
-  std::vector<double> angles;
-  for (const LandmarkMatch& match : inliers_) {
-    const Landmark& landmark = map_.landmarks()[size_t(match.landmark)];
-    const Eigen::Vector3d ray = map_.keyframes()[size_t(landmark.anchor)].rotation * landmark.ray.homogeneous();
-    angles.push_back(landmark.rho * ray.normalized().cross(baseline).norm() / landmark.ray.homogeneous().norm());
-  }
-  return angles.empty() || Median(angles) * camera_.fx > options_.pair_displacement_px;
+  return camera_.fx * map_.MedianParallax(inliers_, chosen_->X_WC.translation, view.X_WC.translation) >
+         options_.pair_displacement_px;
 }
 
 /// A pair that is due is made with the next frame that sees at least as many points as usual: one in the middle of a
@@ -373,20 +369,21 @@ bool FrameToFrameVo::Tracker::MakesAPair(const FrameView& view) {
   if (options_.pair_displacement_px == 0) return true;
   if (waiting_frames_ == 0 && !IsPairDue(view)) return false;
   ++waiting_frames_;
-  const bool in_danger = inliers < 2 * options_.min_matches;
+  const bool in_danger = inliers < 2 * options_.landmarks.min_inliers;
   return inliers >= usual_inliers_ || in_danger || waiting_frames_ > options_.max_wait_frames;
 }
 
 /// Points that `view` sees gain a ray, which places them or sharpens their place; all else that it sees may become one.
-void FrameToFrameVo::Tracker::Choose(FrameView view) {
-  if (!inliers_.empty()) {
-    const double factor = std::clamp(NoiseFactor(map_, view, inliers_), 0.5, 3.0);
-    for (double& sigma : view.sigma) sigma *= factor;
-  }
-  map_.AddKeyframe(view, inliers_, median_depth_, NoGuess);
+void FrameToFrameVo::Tracker::Choose(FrameView& view) {
+  if (!inliers_.empty()) ScaleNoise(map_, inliers_, view);
+  map_.AddKeyframe(view, inliers_, median_depth_, Guess());
   median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
-  if (options_.placing == "two_view") depths_ = DepthsOfPair(view);
-  chosen_ = std::move(view);
+  if (ByPointsAlone()) {
+    if (options_.use_floor) floor_.Update(map_, view.X_WC, random_);
+  } else {
+    depths_ = DepthsOfPair(view);
+  }
+  chosen_ = view;
   most_inliers_ = waiting_frames_ = 0;
   usual_inliers_ = 0;
 }
@@ -415,6 +412,8 @@ std::optional<double> FrameToFrameVo::Tracker::Depth(const Pose& X_AB, const Poi
 /// The path will be begun anew.
 void FrameToFrameVo::Tracker::GiveUp() {
   map_.Clear();
+  floor_.Clear();
+  missed_.clear();
   chosen_.reset();
   has_points_ = false;
   start_frames_ = start_misses_ = 0;

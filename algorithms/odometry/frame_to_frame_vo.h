@@ -1,6 +1,7 @@
 /// Monocular visual odometry from pairs of frames, in the seven steps of thesis 5.4: features by name, best-bin-first
 /// matching, five-point hypotheses judged by MLESAC (or another estimator by name), decomposition by points in front,
-/// and the scale handed from one reconstruction to the next by the points they share. No motion model, no loop closure.
+/// and the scale handed from one reconstruction to the next by the points they share. No loop closure, and no motion
+/// model but that a walker's camera is about where it was.
 ///
 /// Deviations from the thesis, each an option: a walking camera at 30 Hz moves by millimetres between frames, which
 /// leaves the direction of motion to the noise. So a frame is chosen as the second view of a reconstruction when its
@@ -26,6 +27,7 @@
 #include "algorithms/features/features.h"
 #include "algorithms/features/matching.h"
 #include "algorithms/geometry/ransac.h"
+#include "algorithms/odometry/landmark_pose.h"
 
 namespace gaitcam {
 
@@ -43,18 +45,15 @@ struct FrameToFrameVoOptions {
   double max_direction_deg = 180;    ///< two_view: largest standard deviation of the direction; else by points.
   double scale_tolerance = 0.1;      ///< Step 6: relative deviation of a depth ratio that agrees.
   double min_parallax_deg = 1.0;     ///< Step 6: a depth is a pair's when its rays meet at this angle.
-  int min_matches = 15;              ///< With fewer inliers a frame has no pose.
 
-  double sigma_px = 0.4;         ///< Standard deviation of where a feature is seen, px, for the smallest ...
-  double sigma_per_size = 0.05;  ///< ... and what each px of a keypoint's diameter adds to it.
-  double search_deg = 10;        ///< How far from where it was expected a point is looked for, before anywhere.
-  double blurred_noise = 2.5;    ///< Where no pose is agreed upon, a second look takes the noise for so much larger.
+  LandmarkPoseOptions landmarks;  ///< How a frame is placed by points. Its fields are fields of these options.
 
   double pair_displacement_px = 8;  ///< Median displacement, turning taken off, that makes a pair; 0: every frame.
   double pair_turn_deg = 12;        ///< So does a turn by this angle.
   double pair_overlap = 0.6;        ///< So do frames that see less than this part of the points.
   int max_wait_frames = 10;         ///< A pair that is due waits at most so long for a frame that sees well.
   int window = 8;                   ///< points: chosen frames that are refined together with their points; 0: none.
+  bool use_floor = true;            ///< points: what is seen on the floor has the depth that the camera's height tells.
   int memory = 20;                  ///< Chosen frames after which a point that was not seen again is forgotten.
 
   int min_start_points = 40;         ///< Points that a new reconstruction needs.
@@ -88,16 +87,13 @@ void VisitFields(Visitor& visit, FrameToFrameVoOptions& o) {
         "largest standard deviation of a two-view direction that is believed");
   visit("scale_tolerance", o.scale_tolerance, Between(0.001, 10.0), "relative deviation of a depth ratio that agrees");
   visit("min_parallax_deg", o.min_parallax_deg, Between(0.01, 45.0), "angle of the rays that give a pair's depth");
-  visit("min_matches", o.min_matches, Between(6, 100000), "with fewer inliers a frame has no pose");
-  visit("sigma_px", o.sigma_px, Between(0.01, 100.0), "standard deviation of the smallest feature's place");
-  visit("sigma_per_size", o.sigma_per_size, Between(0.0, 10.0), "what each px of a keypoint's diameter adds");
-  visit("search_deg", o.search_deg, Between(0.1, 180.0), "how far from its prediction a point is looked for");
-  visit("blurred_noise", o.blurred_noise, Between(1.0, 100.0), "times the noise allowed where nothing agrees");
+  VisitFields(visit, o.landmarks);
   visit("pair_displacement_px", o.pair_displacement_px, Between(0.0, 1000.0), "median displacement that makes a pair");
   visit("pair_turn_deg", o.pair_turn_deg, Between(0.1, 180.0), "turn that makes a pair");
   visit("pair_overlap", o.pair_overlap, Between(0.0, 1.0), "part of points still seen that makes a pair");
   visit("max_wait_frames", o.max_wait_frames, Between(0, 1000), "how long a due pair waits for a good frame");
   visit("window", o.window, Between(0, 1000), "chosen frames refined together with their points");
+  visit("use_floor", o.use_floor, Nested(), "points: depths and scale by the camera's height over the floor");
   visit("memory", o.memory, Between(1, 100000), "chosen frames until an unseen point is forgotten");
   visit("min_start_points", o.min_start_points, Between(8, 100000), "points that a new reconstruction needs");
   visit("start_parallax_deg", o.start_parallax_deg, Between(0.01, 45.0), "median angle that begins a path");

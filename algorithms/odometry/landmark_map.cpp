@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/geometry/bundle_adjustment.h"
@@ -27,6 +28,19 @@ double LandmarkMap::MedianDepth(const Pose& X_WC, double otherwise) const {
   }
   constexpr size_t kFewest = 10;
   return depths.size() < kFewest ? otherwise : Median(depths);
+}
+
+double LandmarkMap::MedianParallax(const std::vector<LandmarkMatch>& matches, const Eigen::Vector3d& from_W,
+                                   const Eigen::Vector3d& to_W) const {
+  if (matches.empty()) return std::numeric_limits<double>::infinity();
+  const Eigen::Vector3d baseline = to_W - from_W;
+  std::vector<double> angles;
+  for (const LandmarkMatch& match : matches) {
+    const Landmark& landmark = landmarks_[size_t(match.landmark)];
+    const Eigen::Vector3d ray = keyframes_[size_t(landmark.anchor)].rotation * landmark.ray.homogeneous();
+    angles.push_back(landmark.rho * ray.normalized().cross(baseline).norm() / landmark.ray.homogeneous().norm());
+  }
+  return Median(angles);
 }
 
 int LandmarkMap::AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth,

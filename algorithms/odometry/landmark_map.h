@@ -11,18 +11,10 @@
 #include <vector>
 
 #include "algorithms/core/pose.h"
-#include "algorithms/features/features.h"
 #include "algorithms/geometry/inverse_depth.h"
+#include "algorithms/odometry/frame_view.h"
 
 namespace gaitcam {
-
-/// A frame's features and what they mean geometrically.
-struct FrameView {
-  Features features;
-  std::vector<Eigen::Vector2d> xy;  ///< Undistorted normalised coordinates, one per feature.
-  std::vector<double> sigma;        ///< Standard deviation of each coordinate.
-  Pose X_WC;
-};
 
 /// What is thought of an inverse depth beforehand.
 struct DepthGuess {
@@ -103,6 +95,9 @@ class LandmarkMap {
   }
   /// Median depth of the known landmarks in front of a camera; `otherwise` when there are none.
   double MedianDepth(const Pose& X_WC, double otherwise) const;
+  /// Median angle at the matched landmarks between the rays from `from_W` and `to_W`; infinity when there are none.
+  double MedianParallax(const std::vector<LandmarkMatch>& matches, const Eigen::Vector3d& from_W,
+                        const Eigen::Vector3d& to_W) const;
 
  private:
   void Observe(int keyframe, const FrameView& view, const std::vector<LandmarkMatch>& matches);

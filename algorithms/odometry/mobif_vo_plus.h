@@ -18,24 +18,19 @@
 #include "algorithms/core/estimate.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/core/observation.h"
+#include "algorithms/odometry/landmark_pose.h"
 
 namespace gaitcam {
 
 struct MobifVoPlusOptions {
   using DescribedTag = void;
 
-  std::string feature = "mobif";      ///< Detector by name (algorithms/features/features.h).
-  int max_features = 800;             ///< Strongest features kept per frame.
-  double sensitivity = 4;             ///< The detector's threshold is divided by this.
-  double ratio = 0.8;                 ///< Nearest over second nearest descriptor distance.
-  double sigma_px = 0.4;              ///< Standard deviation of where a feature is seen, px, for the smallest ...
-  double sigma_per_size = 0.05;       ///< ... and what each px of a keypoint's diameter adds to it.
-  double search_deg = 10;             ///< How far from where it is predicted a point is looked for first.
-  double outlier_sigmas = 3.0;        ///< A sighting further from its projection is not believed.
-  double noise_of_second_look = 2.5;  ///< Where no pose is agreed upon, noise may be so many times larger.
-  double usual_speed = 0.6;           ///< Median depths per second: what is expected of the camera, along each axis.
-  int min_inliers = 15;               ///< With fewer a frame has no pose.
-  int max_lost_frames = 30;           ///< After so many frames without a pose the map is given up and begun anew.
+  std::string feature = "mobif";  ///< Detector by name (algorithms/features/features.h).
+  int max_features = 800;         ///< Strongest features kept per frame.
+  double sensitivity = 4;         ///< The detector's threshold is divided by this.
+  double ratio = 0.8;             ///< Nearest over second nearest descriptor distance.
+  LandmarkPoseOptions landmarks;  ///< How a frame is placed by them. Its fields are fields of these options.
+  int max_lost_frames = 30;       ///< After so many frames without a pose the map is given up and begun anew.
 
   double start_parallax_deg = 1.0;   ///< Median angle between the rays of the two frames that start a map ...
   double start_direction_deg = 0.5;  ///< ... and the largest standard deviation of their baseline's direction.
@@ -58,13 +53,7 @@ void VisitFields(Visitor& visit, MobifVoPlusOptions& o) {
   visit("max_features", o.max_features, Between(50, 100000), "strongest features kept per frame");
   visit("sensitivity", o.sensitivity, Between(0.01, 1000.0), "the detector's threshold is divided by this");
   visit("ratio", o.ratio, Between(0.1, 1.0), "ratio test: nearest over second nearest distance");
-  visit("sigma_px", o.sigma_px, Between(0.01, 100.0), "standard deviation of the smallest feature's place");
-  visit("sigma_per_size", o.sigma_per_size, Between(0.0, 10.0), "what each px of a keypoint's diameter adds");
-  visit("search_deg", o.search_deg, Between(0.1, 180.0), "how far from its prediction a point is looked for");
-  visit("outlier_sigmas", o.outlier_sigmas, Between(1.0, 100.0), "sightings further off are not believed");
-  visit("noise_of_second_look", o.noise_of_second_look, Between(1.0, 100.0), "noise allowed where nothing agrees");
-  visit("usual_speed", o.usual_speed, Between(0.001, 1e6), "median depths per second that the camera usually moves");
-  visit("min_inliers", o.min_inliers, Between(6, 100000), "with fewer inliers a frame has no pose");
+  VisitFields(visit, o.landmarks);
   visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "frames without a pose until a new start");
   visit("start_parallax_deg", o.start_parallax_deg, Between(0.01, 45.0), "median angle that starts a map");
   visit("start_direction_deg", o.start_direction_deg, Between(0.001, 180.0),
