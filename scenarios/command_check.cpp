@@ -103,7 +103,8 @@ int Update(const CheckArguments& arguments, const CommonOptions& common, const S
     try {
       CheckComparable(suite, *before, file);
     } catch (const BadInput& e) {
-      report.notes.push_back(fmt::format("the table compares what is not the same: {}", e.what()));
+      const std::string what = e.what();
+      report.notes.push_back("the table compares what is not the same: " + what.substr(0, what.rfind("; --update")));
     }
   } else {
     report.notes.push_back("there was no baseline before; the table shows the new one against itself");
