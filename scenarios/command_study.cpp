@@ -151,11 +151,12 @@ nlohmann::ordered_json ToJson(const Study& study, const std::vector<StudyEffect>
 }  // namespace
 
 int StudyCommand(const StudyArguments& arguments, const CommonOptions& common) {
+  const InterruptGuard guard;
+  if (arguments.executor == "slurm") CheckSlurm();
   Study study = ReadStudy(arguments.file, arguments.yes);
   const fs::path out = arguments.out.empty() ? fs::path("studies") / study.table.name : arguments.out;
   const std::vector<WorkItem> items = ItemsOf(study);
   PrepareFolder(out, study.text);
-  const InterruptGuard guard;
   const ExecutorOutcome outcome = Execute(items, arguments, out, study.table.name, common, guard);
   if (outcome.interrupted) {
     fmt::print(stderr, "gaitcam: interrupted; {} of {} runs are done, the same command goes on from there\n",

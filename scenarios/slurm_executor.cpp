@@ -43,13 +43,7 @@ struct Answer {
 class SlurmJob {
  public:
   SlurmJob(fs::path runs, SlurmOptions options) : runs_(std::move(runs)), options_(std::move(options)) {
-    for (const char* program : {"sbatch", "squeue", "scancel"}) {
-      if (IsProgram(program)) continue;
-      throw MissingResource(
-          fmt::format("there is no {} on this machine; install Slurm (Debian: slurm-client), or "
-                      "leave out --executor slurm",
-                      program));
-    }
+    CheckSlurm();
     std::error_code error;
     fs::create_directories(folder(), error);
     if (error) throw MissingResource("cannot create the folder " + folder().string() + ": " + error.message());
@@ -207,6 +201,15 @@ void Collect(SlurmJob& job, const ExecutorOptions& options, const std::vector<co
 }
 
 }  // namespace
+
+void CheckSlurm() {
+  for (const char* program : {"sbatch", "squeue", "scancel"}) {
+    if (IsProgram(program)) continue;
+    throw MissingResource(fmt::format(
+        "there is no {} on this machine; install Slurm (Debian: slurm-client), or leave out --executor slurm",
+        program));
+  }
+}
 
 ExecutorOutcome ExecuteOnSlurm(const std::vector<WorkItem>& items, const ExecutorOptions& given,
                                const SlurmOptions& slurm) {

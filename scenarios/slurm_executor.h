@@ -18,6 +18,9 @@ struct SlurmOptions {
   double poll_s = 1;                ///< How often the queue is asked at first; five times as long after half a minute.
 };
 
+/// @throws MissingResource if Slurm's commands are not there.
+void CheckSlurm();
+
 /// Submits what is not done yet, waits, and collects. `options.jobs` is the most tasks at once; 0: as Slurm likes. An
 /// interrupt cancels the job. If an earlier call was killed, its job goes on in the queue: that one is waited for
 /// first.
