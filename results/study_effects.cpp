@@ -47,24 +47,31 @@ int64_t RanksOutside(int64_t n, double confidence) {
 }
 
 /// The k-th smallest (from 0) mean of two of the sorted values, each with itself too. Their number grows with the
-/// square, so they are counted, not listed.
+/// square, so they are counted, not listed: bisection finds the gap before it, then it is the least one beyond the gap.
 double PairMean(const std::vector<double>& sorted, int64_t k) {
+  const int64_t n = int64_t(sorted.size());
+  const auto mean = [&](int64_t i, int64_t j) { return 0.5 * (sorted[size_t(i)] + sorted[size_t(j)]); };
   const auto count = [&](double limit) {  // pairs i <= j with a mean of at most `limit`
     int64_t pairs = 0;
-    for (int64_t i = 0, j = int64_t(sorted.size()) - 1; i <= j; ++i) {
-      while (j >= i && sorted[size_t(i)] + sorted[size_t(j)] > 2 * limit) --j;
+    for (int64_t i = 0, j = n - 1; i <= j; ++i) {
+      while (j >= i && mean(i, j) > limit) --j;
       pairs += j - i + 1;
     }
     return pairs;
   };
   double low = sorted.front(), high = sorted.back();
   if (count(low) > k) return low;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 100 && low < high; ++i) {
     const double middle = low + 0.5 * (high - low);
-    if (middle <= low || middle >= high) break;
     (count(middle) > k ? high : low) = middle;
   }
-  return high;
+  double least = sorted.back();
+  for (int64_t i = 0, j = n; i < n; ++i) {  // the first j of each i whose mean is beyond `low`
+    while (j > i && mean(i, j - 1) > low) --j;
+    const int64_t first = std::max(i, j);
+    if (first < n && mean(i, first) > low) least = std::min(least, mean(i, first));
+  }
+  return least;
 }
 
 /// Scores that are best near a value are compared by their distance from it.

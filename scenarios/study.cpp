@@ -11,7 +11,6 @@
 #include "algorithms/core/errors.h"
 #include "results/score_catalogue.h"
 #include "scenarios/runner.h"
-#include "scenarios/subprocess.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -124,21 +123,13 @@ void AddRuns(Study& study) {
   }
 }
 
-/// @throws BadInput naming the program if nobody could start it.
-void CheckProgram(const Scenario& scenario) {
-  if (!scenario.system.external) return;
-  const std::string& program = scenario.system.external->command.front();
-  if (!IsProgram(program)) throw BadInput("system: there is no program " + program);
-}
-
-/// What cannot be is said before the first run: a walk of the robot, once for all conditions that share their frames;
-/// an executable that is not there.
+/// What a robot cannot walk is said before the first run, once for all conditions that share their frames.
 void CheckPlans(const YamlNode& root, const Experiment& experiment) {
   std::set<std::string> checked;
   for (const Condition& condition : experiment.conditions) {
+    if (!checked.insert(FramesHashOf(condition.resolved)).second) continue;
     try {
-      CheckProgram(condition.resolved.scenario);
-      if (checked.insert(FramesHashOf(condition.resolved)).second) CheckPlan(condition.resolved);
+      CheckPlan(condition.resolved);
     } catch (const BadInput& e) {
       FailAtCondition(root, experiment.options, condition.levels, e.what());
     }

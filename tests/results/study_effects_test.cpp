@@ -34,6 +34,30 @@ TEST(StudyEffects, AKnownShiftIsFoundWithItsSizeAndDirection) {
   EXPECT_EQ(EffectText(study.table, effect), "exposure_ms=33 vs 0, system=mobif_vo_plus");
 }
 
+// Against the definition, all pairs listed; with ties, and with zeros on which bisection alone would never land.
+TEST(StudyEffects, TheShiftIsTheHodgesLehmannEstimateToTheBit) {
+  StudyTable table;
+  table.axes = {{"system", {"a", "b"}, 0}};
+  table.metrics = {{"ate_rmse_m", 0, "m", "", Better::kLower}};
+  RandomStream random(9, "shift");
+  for (const size_t n : {1u, 2u, 7u, 8u, 40u}) {
+    std::vector<double> differences;
+    table.runs.clear();
+    table.seeds = n;
+    for (size_t level = 0; level < 2; ++level) {
+      for (uint64_t seed = 1; seed <= n; ++seed) {
+        StudyRun run;
+        run.levels = {level};
+        run.seed = seed;
+        run.scores["ate_rmse_m"] = level == 0 ? 0 : std::round(4 * random.Normal()) / 4;
+        if (level == 1) differences.push_back(run.scores["ate_rmse_m"]);
+        table.runs.push_back(run);
+      }
+    }
+    EXPECT_EQ(RankEffects(table, {}, std::nullopt)[0].shift, HodgesLehmann(differences)) << n;
+  }
+}
+
 TEST(StudyEffects, WhatMakesNoDifferenceIsNotSure) {
   const MadeUpStudy study;
   for (const StudyEffect& effect : study.effects) {
@@ -98,6 +122,9 @@ TEST(ShiftInterval, TakesTheOrderStatisticsOfTheExactDistribution) {
   const ConfidenceInterval interval = ShiftInterval(differences, 0.95);
   EXPECT_NEAR(interval.low, means[8], 1e-12);
   EXPECT_NEAR(interval.high, means[46], 1e-12);
+  const ConfidenceInterval around_zero = ShiftInterval({-3, -1, -1, 0, 0, 0, 0, 1, 1, 3}, 0.95);
+  EXPECT_EQ(around_zero.low, -1);  // exactly, not next to it
+  EXPECT_EQ(around_zero.high, 1);
   EXPECT_TRUE(std::isnan(ShiftInterval({1, 2, 3, 4, 5}, 0.95).low));
   EXPECT_TRUE(std::isnan(ShiftInterval({}, 0.95).high));
   EXPECT_NEAR(ShiftInterval({1, 2, 3, 4, 5, 6}, 0.95).low, 1, 1e-12);

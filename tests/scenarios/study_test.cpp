@@ -169,7 +169,7 @@ TEST_F(StudyTest, WhatTheRobotCannotWalkIsSaidBeforeTheFirstRun) {
 
 TEST_F(StudyTest, AProgramThatIsNotThereIsSaidBeforeTheFirstRun) {
   ExpectRefusal("base: walk.yaml\naxes:\n  system: [orb_vo, {command: [no_such_slam, \"{dataset}\", \"{output}\"]}]\n",
-                "bad.yaml:3:20: axes.system[1]: there is no program no_such_slam");
+                "bad.yaml:3:20: axes.system[1]: system.command[0]: no_such_slam: there is no such program in PATH");
 }
 
 TEST_F(StudyTest, AFolderThatHoldsSomethingElseIsNotTouched) {
