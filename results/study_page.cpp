@@ -5,8 +5,8 @@ namespace {
 
 constexpr std::string_view kStyle = R"css(
 .pill.quiet { color: var(--muted); background: var(--soft); font-weight: 500; }
-.effects td, .effects th { padding-right: .7rem; white-space: nowrap; }
-.effects td:nth-child(3) { white-space: normal; min-width: 13rem; }
+.effects td, .effects th { padding-right: .5rem; white-space: nowrap; }
+.effects td:nth-child(3) { white-space: normal; min-width: 12rem; }
 .effects .pill { font-size: .76rem; padding: .05rem .55rem; }
 .effects td { font-size: .84rem; }
 .more { margin-top: .75rem; }

@@ -224,7 +224,7 @@ std::string Cards(const StudyReportInput& input) {
 
 /// Shift and interval as parts of the reference, drawn between -100 % and +100 %.
 std::string EffectBar(const StudyEffect& e, int verdict) {
-  constexpr double kHalf = 70;
+  constexpr double kHalf = 50;
   const auto at = [&](double value) { return kHalf * (1 + std::clamp(value / std::abs(e.reference), -1.0, 1.0)); };
   std::string svg = fmt::format(
       "<svg width=\"{0:.0f}\" height=\"16\" viewBox=\"0 0 {0:.0f} 16\" aria-hidden=\"true\"><line x1=\"{1:.0f}\" "
@@ -328,7 +328,7 @@ std::optional<MapAxes> MapAxesOf(const StudyReportInput& input) {
   return std::nullopt;
 }
 
-/// Darker is worse; the scale is that of all maps of this metric.
+/// Stronger is worse; the scale is that of all maps of this metric.
 double Darkness(const Score& metric, double value, double low, double high, bool logarithm) {
   if (!(high > low)) return 0;
   const double part = logarithm ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
@@ -387,7 +387,7 @@ std::string HeatMaps(const StudyReportInput& input, const Medians& medians, cons
   std::string html = "<div class=\"grid halves\">\n";
   for (size_t map = 0; map < maps; ++map) {
     const std::string title = axes->each ? "Medians with " + input.table->axes[*axes->each].levels[map] : "Medians";
-    html += HeatMap(input, *axes, metric, title + " (darker is worse)", cells[map], low, high);
+    html += HeatMap(input, *axes, metric, title + " (stronger colour is worse)", cells[map], low, high);
   }
   return html + "</div>\n";
 }
@@ -409,8 +409,8 @@ std::string MetricSection(const StudyReportInput& input, const Medians& medians,
   }
   const std::string id = fmt::format("m{}blur", index);
   charts[id] = ScatterChart(input, metric);
-  html += Panel(id, "Over measured motion blur: runs, and medians of equally full bins",
-                KeyOf(SeriesOf(input, table.axes.size())), 290);
+  html +=
+      Panel(id, "Over measured motion blur: runs, and medians of bins", KeyOf(SeriesOf(input, table.axes.size())), 290);
   return html + "</div>\n" + HeatMaps(input, medians, metric);
 }
 
@@ -432,7 +432,8 @@ std::string StudyReportHtml(const StudyReportInput& input) {
   page.title = table.name;
   page.body = Header(table) + Banners(table) + Cards(input) + EffectTable(input);
   page.body += fmt::format(
-      "<p class=\"note after\">In the charts below a point is the median over all runs at that level, whatever the other "
+      "<p class=\"note after\">In the charts below a point is the median over all runs at that level, whatever the "
+      "other "
       "axes "
       "and the seed; bars are its {} bootstrap interval ({} resamples). Point at one for its numbers.</p>\n",
       Percent(input.statistics.confidence), input.statistics.resamples);
