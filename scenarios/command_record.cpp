@@ -4,7 +4,6 @@
 
 #include "scenarios/commands.h"
 #include "scenarios/interrupt.h"
-#include "scenarios/preview.h"
 #include "scenarios/record_matrix.h"
 #include "scenarios/recorder.h"
 
@@ -127,12 +126,10 @@ int RecordMany(const RecordArguments& arguments, const CommonOptions& common) {
 }  // namespace
 
 int RecordCommand(const RecordArguments& arguments, const CommonOptions& common) {
-  MakeFilmsRepeatable();
   return IsMatrix(arguments.scenario.file) ? RecordMany(arguments, common) : RecordOne(arguments, common);
 }
 
 int FilmCommand(const FilmArguments& arguments, const CommonOptions&) {
-  MakeFilmsRepeatable();
   return FilmSequence(arguments.dataset, arguments.name);
 }
 

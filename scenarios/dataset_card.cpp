@@ -186,8 +186,12 @@ std::string DatasetCard(const RecordMatrix& matrix, const std::vector<SequenceRe
                       fmt::arg("pairs", o.recording.pairs.enabled ? kPairsText : ""));
   text += "\n## Made by\n\n" + VersionsText(records) +
           "\n## To make it again, to check it, to cite it\n\n"
-          "`gaitcam record matrix.yaml --out FOLDER` makes it again (beside the scenario file that its `base` names);\n"
-          "the same renderer gives the same images. `gaitcam validate FOLDER` checks files, tables and geometry.\n\n" +
+          "`gaitcam record matrix.yaml --out FOLDER" +
+          matrix.changes +
+          "` makes it again, beside the scenario file that its `base` names;\n"
+          "the same program and renderer give the same files, to the byte, but for the films.\n`gaitcam validate "
+          "FOLDER` checks files, "
+          "tables and geometry.\n\n" +
           fmt::format("Cite as: {}\"{}\", data set made with gaitcam {}.\n", o.author.empty() ? "" : o.author + ", ",
                       name, ProgramVersion());
   return text;

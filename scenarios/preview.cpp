@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -68,8 +67,6 @@ std::vector<size_t> EvenlySpread(size_t of, size_t count) {
 }
 
 }  // namespace
-
-void MakeFilmsRepeatable() { setenv("OPENCV_FFMPEG_WRITER_OPTIONS", "threads;1", 0); }
 
 void WritePreview(const RecordedWalk& walk, const std::filesystem::path& file) {
   const double rate_hz = walk.calibration.frame_rate_hz;

@@ -9,12 +9,9 @@
 namespace gaitcam {
 
 /// An MP4 at the speed of the walk, at most 15 Hz: what the camera saw, and beside it the sharp twin if there is one.
+/// The encoder gives the same pictures other bytes now and then: films are the one thing that does not repeat.
 /// @throws BadInput if an image cannot be read; MissingResource if the film cannot be written whole.
 void WritePreview(const RecordedWalk& walk, const std::filesystem::path& file);
-
-/// Has x264 encode on one thread from now on: on several, the same pictures become other bytes when the threads take
-/// other turns. To be called before there are threads.
-void MakeFilmsRepeatable();
 
 /// A PNG of twelve frames over the walk. Each stands beside its sharp twin with the blur vectors drawn on it, its time
 /// and its blur above.

@@ -85,6 +85,17 @@ void ApplyChanges(const MatrixChanges& changes, MatrixOptions& options) {
   options.recording.truth_inside |= changes.truth_inside;
 }
 
+/// As it would be typed again.
+std::string WordsOf(const MatrixChanges& changes) {
+  std::string words;
+  for (const std::string& set : changes.sets) words += " --set '" + set + "'";
+  if (changes.seed) words += fmt::format(" --seed {}", *changes.seed);
+  if (changes.format) words += " --format " + *changes.format;
+  if (changes.pairs) words += " --pairs";
+  if (changes.truth_inside) words += " --truth-inside";
+  return words;
+}
+
 void PrepareFolder(const fs::path& out) {
   std::error_code error;
   if (fs::exists(out) && !(fs::is_directory(out) && (fs::is_empty(out, error) || fs::exists(out / kMarker)))) {
@@ -253,6 +264,7 @@ RecordMatrix ReadMatrix(const fs::path& file, const MatrixChanges& changes, bool
   CheckConditions(root, matrix);
   matrix.sequences = PlanSequences(matrix.experiment);
   std::ifstream stream(file, std::ios::binary);
+  matrix.changes = WordsOf(changes);
   matrix.text.assign(std::istreambuf_iterator<char>(stream), {});
   return matrix;
 }

@@ -53,6 +53,7 @@ struct RecordMatrix {
   Experiment experiment;
   std::vector<PlannedSequence> sequences;  ///< Conditions in their order, each with all seeds.
   std::string text;                        ///< Of the file.
+  std::string changes;                     ///< What the call changed of it, as words of a command line.
 
   ResolvedScenario Resolved(const PlannedSequence& sequence) const;
 };

@@ -1,10 +1,12 @@
 // What writing a data set costs beside rendering it, measured in the same run.
 //
-// Counters: `recording_speed` is the time of simulating and rendering a walk with all its truth, over the time of doing
-// so and writing it (all images on the disk at the end): 1 means that writing costs nothing. `in_add` is the same
-// without threads of the writer's own. `encode_ms` is the processor time that one frame's images take to be encoded,
-// `render_ms` the time that one frame takes to be rendered: where all cores render, the writer's threads take their
-// time from the renderer, and the speed cannot be more than about render / (render + encode / cores).
+// Counters, each of a walk that is simulated, rendered with all its truth and written, against the same without
+// writing: `recording_speed` by the clock on the wall, all images on the disk at the end (1: writing costs nothing);
+// `in_add` likewise, the writer having no threads of its own; `own_thread` by the processor time of the thread that
+// renders, which is what remains of the speed where the writer's threads find cores of their own. `encode_ms` is the
+// processor time that one frame's images take to be encoded, `render_cpu_ms` that it takes to be rendered: a software
+// renderer that has all cores to itself loses to the writer about encode / (render + encode) of its speed, whatever
+// the threads. LP_NUM_THREADS=0 keeps Mesa's software renderer on the one thread that own_thread is about.
 
 #include <benchmark/benchmark.h>
 #include <stdlib.h>
@@ -24,31 +26,44 @@ namespace fs = std::filesystem;
 
 double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-double ProcessorTime() {
+double ProcessorTime(clockid_t of) {
   timespec time;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  clock_gettime(of, &time);
   return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
+/// Begins when it is made.
 struct Cost {
-  double wall_s = 0, cpu_s = 0;
+  double wall_s = -Now(), cpu_s = -ProcessorTime(CLOCK_PROCESS_CPUTIME_ID),
+         thread_s = -ProcessorTime(CLOCK_THREAD_CPUTIME_ID);
   int64_t frames = 0;
 
-  void operator+=(const Cost& other) {
-    wall_s += other.wall_s;
-    cpu_s += other.cpu_s;
-    frames += other.frames;
+  void End() {
+    wall_s += Now();
+    cpu_s += ProcessorTime(CLOCK_PROCESS_CPUTIME_ID);
+    thread_s += ProcessorTime(CLOCK_THREAD_CPUTIME_ID);
+  }
+};
+
+struct Sum {
+  double wall_s = 0, cpu_s = 0, thread_s = 0;
+  int64_t frames = 0;
+
+  void operator+=(const Cost& cost) {
+    wall_s += cost.wall_s;
+    cpu_s += cost.cpu_s;
+    thread_s += cost.thread_s;
+    frames += cost.frames;
   }
 };
 
 /// From the first frame's end to the last one's.
 Cost RenderAlone(const ResolvedScenario& resolved) {
   Simulation simulation(resolved.robot, resolved.place, SimulationOptionsOf(resolved.scenario), resolved.scenario.seed);
-  if (!simulation.Next()) return {};
-  Cost cost{-Now(), -ProcessorTime(), 0};
+  simulation.Next();
+  Cost cost;
   while (simulation.Next()) ++cost.frames;
-  cost.wall_s += Now();
-  cost.cpu_s += ProcessorTime();
+  cost.End();
   return cost;
 }
 
@@ -60,11 +75,11 @@ Cost Record(const ResolvedScenario& resolved, int threads) {
   options.format.threads = threads;
   Cost cost;
   options.progress = [&cost](int64_t frames, int64_t) {
-    if (frames == 1) cost = {-Now(), -ProcessorTime(), 0};
+    if (frames == 1) cost = Cost();
   };
-  cost.frames = RecordScenario(resolved, DatasetFolders::In(folder, "walk"), options).frames - 1;
-  cost.wall_s += Now();
-  cost.cpu_s += ProcessorTime();
+  const int64_t frames = RecordScenario(resolved, DatasetFolders::In(folder, "walk"), options).frames - 1;
+  cost.End();
+  cost.frames = frames;
   fs::remove_all(folder);
   return cost;
 }
@@ -72,9 +87,9 @@ Cost Record(const ResolvedScenario& resolved, int threads) {
 void BM_RecordWhileRendering(benchmark::State& state) {
   const ResolvedScenario resolved = ReadScenario(
       GAITCAM_SOURCE_DIR "/scenarios/lab_loop.yaml",
-      {"duration_s=3", "gait.preset=brisk", "camera.exposure_ms=" + std::to_string(state.range(2)),
+      {"duration_s=2", "gait.preset=brisk", "camera.exposure_ms=" + std::to_string(state.range(2)),
        "camera.width_px=" + std::to_string(state.range(0)), "camera.height_px=" + std::to_string(state.range(1))});
-  Cost alone, with_threads, in_add;
+  Sum alone, with_threads, in_add;
   for (auto _ : state) {  // in turn, so that whatever else runs on the machine slows all three
     alone += RenderAlone(resolved);
     const Cost recorded = Record(resolved, DatasetWriterOptions().threads);
@@ -84,6 +99,7 @@ void BM_RecordWhileRendering(benchmark::State& state) {
   }
   const double frames = double(alone.frames);
   state.counters["recording_speed"] = alone.wall_s / with_threads.wall_s;
+  state.counters["own_thread"] = alone.thread_s / with_threads.thread_s;
   state.counters["in_add"] = alone.wall_s / in_add.wall_s;
   state.counters["render_ms"] = 1e3 * alone.wall_s / frames;
   state.counters["render_cpu_ms"] = 1e3 * alone.cpu_s / frames;
@@ -94,7 +110,7 @@ BENCHMARK(BM_RecordWhileRendering)
     ->Args({320, 240, 10})
     ->Args({320, 240, 30})
     ->Args({640, 480, 20})
-    ->Iterations(3)
+    ->Iterations(2)
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond);
 
