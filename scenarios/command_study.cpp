@@ -66,10 +66,11 @@ void WriteTables(const Study& study, const std::vector<StudyEffect>& effects, co
   report.by = study.by;
   report.study_file = study.text;
   report.facts = FactsOf(study, arguments.file);
+  const std::string page = StudyReportHtml(report);  // may lack Chart.js: then nothing is written
   WriteTextFile(out / "summary.csv", SummaryCsv(study.table, report.statistics));
   WriteTextFile(out / "effects.csv", EffectsCsv(study.table, effects));
   WriteTextFile(out / "timings.csv", TimingsCsv(study.table));
-  WriteTextFile(out / "report.html", StudyReportHtml(report));
+  WriteTextFile(out / "report.html", page);
   WriteTextFile(out / "runs.csv", RunsCsv(study.table));
 }
 
