@@ -12,6 +12,10 @@
 namespace gaitcam {
 namespace {
 
+std::string Count(size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 void PrintDataset(const DatasetReport& report, const std::string& folder) {
   for (const DatasetReport::Sequence& s : report.sequences) {
     std::string floor = s.with_truth ? "too little floor in view to judge the intrinsics" : "no truth beside it";
@@ -21,9 +25,9 @@ void PrintDataset(const DatasetReport& report, const std::string& folder) {
     }
     fmt::print("{:<44} {:>5} frames; {}\n", s.name, s.frames, floor);
   }
-  fmt::print("{}: {}; {} sequences, {} frames, {} images read{}\n", folder,
-             report.problems.empty() ? "no fault found" : fmt::format("{} faults", report.problems.size()),
-             report.sequences.size(), report.frames, report.images,
+  fmt::print("{}: {}; {}, {} frames, {} images read{}\n", folder,
+             report.problems.empty() ? "no fault found" : Count(report.problems.size(), "fault"),
+             Count(report.sequences.size(), "sequence"), report.frames, report.images,
              report.files_summed > 0 ? fmt::format(", {} checksums", report.files_summed) : "");
 }
 

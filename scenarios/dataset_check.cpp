@@ -23,9 +23,12 @@ void AddSequence(const DatasetFolders& folders, DatasetReport& report) {
   report.problems.insert(report.problems.end(), sequence.problems.begin(), sequence.problems.end());
 }
 
-std::string WithoutDirectorySlash(const fs::path& folder) {
-  const fs::path normal = fs::absolute(folder).lexically_normal();
-  return (normal.has_filename() ? normal : normal.parent_path()).string();
+/// The folder beside it, named as it is given: "data/walk" -> "data/walk-truth".
+fs::path TruthBeside(const fs::path& sensors) {
+  fs::path normal = sensors.lexically_normal();
+  if (!normal.has_filename()) normal = normal.parent_path();
+  if (normal.empty() || normal == "." || normal.filename() == "..") normal = fs::canonical(sensors);
+  return normal.string() + "-truth";
 }
 
 /// Fields of index.csv: quoted ones may hold commas.
@@ -142,7 +145,7 @@ DatasetReport CheckDataset(const fs::path& given) {
     return report;
   }
   const fs::path sensors = FindDataset(folder);
-  AddSequence({sensors, WithoutDirectorySlash(sensors) + "-truth"}, report);
+  AddSequence({sensors, TruthBeside(sensors)}, report);
   return report;
 }
 

@@ -328,6 +328,16 @@ TEST_F(DatasetCheck, AllFaultsAreToldNotOnlyTheFirst) {
   for (const char* text : {"rgb.txt:6:", "rgb.txt:10:", "imu.csv:12:", "groundtruth.txt:4:"}) ExpectFault(text);
 }
 
+TEST_F(DatasetCheck, FoldersOfOthersAreHeldToTheirLayoutAlone) {
+  Copy("euroc");
+  fs::remove_all(truth());
+  fs::rename(walk() / "mav0", out() / "mav0");
+  fs::remove_all(walk());
+  EXPECT_THAT(Faults(), IsEmpty());
+  fs::remove(out() / "mav0/cam0/data/405000000.png");
+  ExpectFault("data/mav0/cam0/data.csv:6: data/mav0/cam0/data/405000000.png: there is no such file");
+}
+
 TEST_F(DatasetCheck, AFolderThatIsNoneIsSaid) {
   fs::create_directories(out());
   EXPECT_THROW(CheckDataset(out()), BadInput);
@@ -338,7 +348,7 @@ TEST_F(DatasetCheck, TheProgramListsFaultsAndExitsWithTwo) {
   Copy("tum");
   ProgramResult result = RunProgram("validate data", temporary_.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("data: no fault found; 1 sequences, 20 frames, 100 images read"));
+  EXPECT_THAT(result.out, HasSubstr("data: no fault found; 1 sequence, 20 frames, 100 images read"));
   EXPECT_EQ(result.err, "");
   fs::remove(truth() / "sharp" / "0.405000000.png");
   SetField(walk() / "times.txt", 5, 2, "11");
