@@ -71,6 +71,9 @@ class FrameToFrameVo::Tracker {
   LandmarkMap::Guess Guess() const {
     return [this](const Pose& X_WC, const Eigen::Vector2d& xy) { return floor_.At(X_WC, xy); };
   }
+  PositionPrior Expect(int64_t stamp_ns) const {
+    return placer_.Expect(X_WC_last_->translation, stamp_ns - last_ns_, median_depth_);
+  }
   bool ByPointsAlone() const { return options_.placing == "points"; }
 
   bool Start(FrameView& view);
@@ -106,6 +109,7 @@ class FrameToFrameVo::Tracker {
   bool has_points_ = false;             ///< false: no reconstruction yet.
   std::vector<LandmarkMatch> inliers_;  ///< That agree with the present pose.
   int most_inliers_ = 0;                ///< Of a frame since the last chosen one.
+  double chosen_inliers_ = 0;           ///< Of the last chosen frame.
   double usual_inliers_ = 0;            ///< Per frame, lately.
   int waiting_frames_ = 0;              ///< Since a pair was due.
 
@@ -147,6 +151,7 @@ FrameEstimate FrameToFrameVo::Tracker::Answer(const Observation& observation) {
   answer.status = TrackingStatus::kTracking;
   answer.restarted = !had_points && X_WC_last_.has_value();
   if (had_points) {
+    answer.restarted = !LandmarkPlacer::IsWithinReach(Expect(answer.stamp_ns), view.X_WC);
     if (MakesAPair(view)) {
       Choose(view);
     } else {
@@ -253,7 +258,7 @@ void FrameToFrameVo::Tracker::PlaceWaiting(int64_t stamp_ns) {
   for (auto frame = waiting_.rbegin(); frame != waiting_.rend(); ++frame) {
     guess.prior = placer_.Expect(guess.X_WC.translation, stamp_ns - frame->stamp_ns, median_depth_);
     const auto placed = placer_.PlaceWithNoise(map_, frame->view, guess, 1, random_);
-    if (!placed) continue;
+    if (!placed || !LandmarkPlacer::IsWithinReach(*guess.prior, placed->X_WC)) continue;
     guess.X_WC = placed->X_WC;
     stamp_ns = frame->stamp_ns;
     begin = frame->record;
@@ -305,8 +310,8 @@ bool FrameToFrameVo::Tracker::Follow(FrameView& view, int64_t stamp_ns) {
 bool FrameToFrameVo::Tracker::PlaceByPoints(FrameView& view, int64_t stamp_ns) {
   LandmarkPoseGuess guess;
   guess.X_WC = *X_WC_last_;
-  guess.prior = placer_.Expect(X_WC_last_->translation, stamp_ns - last_ns_, median_depth_);
-  guess.usual_inliers = usual_inliers_;
+  guess.prior = Expect(stamp_ns);
+  guess.usual_inliers = usual_inliers_ > 0 ? usual_inliers_ : chosen_inliers_;
   const auto placed = placer_.Place(map_, view, guess, random_);
   if (!placed) return false;
   view.X_WC = placed->X_WC;
@@ -384,6 +389,7 @@ void FrameToFrameVo::Tracker::Choose(FrameView& view) {
     depths_ = DepthsOfPair(view);
   }
   chosen_ = view;
+  chosen_inliers_ = double(inliers_.size());
   most_inliers_ = waiting_frames_ = 0;
   usual_inliers_ = 0;
 }

@@ -190,7 +190,9 @@ std::optional<LandmarkPose> LandmarkPlacer::PlaceBetween(const LandmarkMap& map,
   guess.fewest_inliers = (options_.min_inliers + 1) / 2;
   constexpr double kNoiseOfBlur = 1.5;
   auto placed = Place(map, view, guess, random);
-  return placed ? placed : PlaceClosely(map, view, guess, kNoiseOfBlur, random);
+  if (!placed) placed = PlaceClosely(map, view, guess, kNoiseOfBlur, random);
+  if (placed && !IsWithinReach(*guess.prior, placed->X_WC)) return {};
+  return placed;
 }
 
 std::vector<LandmarkMatch> LandmarkPlacer::Find(const LandmarkMap& map, const FrameView& view) const {

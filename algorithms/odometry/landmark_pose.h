@@ -4,7 +4,7 @@
 ///
 /// Frames that are blurred more than their features can tell place them badly: where nothing agrees, a second look
 /// expects more noise. Far from where the camera is expected chance agrees upon something too, on a floor of a thousand
-/// like pebbles above all: there it takes many sightings, or the frame has no pose.
+/// like pebbles above all: there it takes many sightings, or the frame has no pose. Who asks marks such a step.
 
 #pragma once
 
@@ -88,7 +88,7 @@ class LandmarkPlacer {
                                              const LandmarkPoseGuess& guess, double noise, RandomStream& random) const;
 
   /// A frame that could not be placed when it came, between two that could: it is expected better now, and may be
-  /// searched more closely.
+  /// searched more closely. It makes no jump.
   std::optional<LandmarkPose> PlaceBetween(const LandmarkMap& map, const FrameView& view, int64_t stamp_ns,
                                            const StampedPlace& before, const StampedPlace& after, double median_depth,
                                            double usual_inliers, RandomStream& random) const;

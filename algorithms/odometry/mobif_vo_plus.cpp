@@ -80,6 +80,9 @@ class MobifVoPlus::Tracker {
   LandmarkMap::Guess Guess() const {
     return [this](const Pose& X_WC, const Eigen::Vector2d& xy) { return floor_.At(X_WC, xy); };
   }
+  PositionPrior Expect(int64_t stamp_ns) const {
+    return placer_.Expect(X_WC_last_->translation, stamp_ns - last_ns_, median_depth_);
+  }
   Pose Predict(const Observation& observation) const;
   bool Locate(FrameView& view, const Observation& observation);
   void PlaceMissed(const FrameView& view, int64_t stamp_ns);
@@ -109,6 +112,7 @@ class MobifVoPlus::Tracker {
   int keyframe_ = -1;                   ///< The latest of the present map; -1: there is no map yet.
   int keyframe_inliers_ = 0;            ///< Most landmarks that a frame since the last keyframe saw.
   double usual_inliers_ = 0;            ///< Landmarks seen per frame, lately.
+  double usual_before_ = 0;             ///< ... by the last keyframe itself.
   int waiting_frames_ = 0;              ///< Since a keyframe was due.
   std::optional<Pose> X_WC_last_;       ///< Last known pose, over all maps.
   int64_t last_ns_ = 0;                 ///< Its stamp.
@@ -129,7 +133,8 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
   answer.inliers = int(inliers_.size());
   if (found) {
     answer.status = TrackingStatus::kTracking;
-    answer.restarted = was_lost;
+    const bool is_jump = X_WC_last_ && !LandmarkPlacer::IsWithinReach(Expect(answer.stamp_ns), view.X_WC);
+    answer.restarted = was_lost || is_jump;
     lost_frames_ = 0;
     if (had_map && WantsKeyframe(view)) {
       ScaleNoise(map_, inliers_, view);
@@ -252,6 +257,7 @@ void MobifVoPlus::Tracker::Attach(size_t record, const Pose& X_WC) {
 void MobifVoPlus::Tracker::AddKeyframe(FrameView& view) {
   keyframe_ = map_.AddKeyframe(view, inliers_, median_depth_, Guess());
   keyframe_inliers_ = 0;
+  usual_before_ = double(inliers_.size());
   usual_inliers_ = 0;
   median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
   if (options_.use_floor) floor_.Update(map_, view.X_WC, random_);
@@ -275,8 +281,8 @@ Pose MobifVoPlus::Tracker::Predict(const Observation& observation) const {
 bool MobifVoPlus::Tracker::Locate(FrameView& view, const Observation& observation) {
   LandmarkPoseGuess guess;
   guess.X_WC = Predict(observation);
-  guess.prior = placer_.Expect(X_WC_last_->translation, observation.stamp_ns - last_ns_, median_depth_);
-  guess.usual_inliers = usual_inliers_;
+  guess.prior = Expect(observation.stamp_ns);
+  guess.usual_inliers = usual_inliers_ > 0 ? usual_inliers_ : usual_before_;
   const auto placed = placer_.Place(map_, view, guess, random_);
   if (!placed) return false;
   view.X_WC = placed->X_WC;
