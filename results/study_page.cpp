@@ -83,7 +83,7 @@ function effect(canvas, c) {
   });
   const low = Math.min(...c.ticks), high = Math.max(...c.ticks), margin = c.numeric ? 0.06 * (high - low || 1) : 0.5;
   const x = axis(c.x, {min: low - margin, max: high + margin, afterBuildTicks: s => { s.ticks = c.ticks.map(value => ({value})); }});
-  x.ticks = Object.assign({}, x.ticks, {autoSkip: c.numeric, callback: v => c.numeric ? digits(v) : (c.labels[v] || '').split(' ')});
+  x.ticks = Object.assign({}, x.ticks, {autoSkip: c.numeric, callback: v => c.numeric ? digits(v) : (c.labels[v] || '').split(/, | (?=\w+=)/)});
   const o = options(x, scaleY(c, values));
   o.interaction = {mode: 'nearest', axis: 'xy', intersect: false};
   o.plugins.tooltip.callbacks.title = items => items.length ? c.x + ': ' + c.labels[items[0].dataIndex] : '';

@@ -16,6 +16,20 @@ namespace gaitcam {
 namespace fs = std::filesystem;
 namespace {
 
+/// Keys and values as short as they stay clear: `{step_length_m: 0.02, period_s: 0.2}` is "0.02 m, 0.2 s".
+std::string ShortValues(const std::vector<std::pair<std::string, std::string>>& values) {
+  std::string with_units, with_keys;
+  std::set<std::string> units;
+  for (const auto& [key, value] : values) {
+    const size_t last = key.rfind('_');
+    const std::string unit = last == std::string::npos ? "" : key.substr(last + 1);
+    const bool known = std::set<std::string>{"m", "s", "ms", "deg", "px"}.count(unit) > 0;
+    if (known && units.insert(unit).second) with_units += (with_units.empty() ? "" : ", ") + value + " " + unit;
+    with_keys += (with_keys.empty() ? "" : " ") + key + "=" + value;
+  }
+  return units.size() == values.size() ? with_units : with_keys;
+}
+
 /// A level as tables show it: of a map only what tells it from others, `{name: mobif_vo, ratio: 0.8}` is "mobif_vo
 /// ratio=0.8", an executable its name.
 std::string ShortLevel(const std::string& text) {
@@ -24,7 +38,8 @@ std::string ShortLevel(const std::string& text) {
   if (!node.IsMap()) return text;
   if (node["command"].IsDefined() && node["command"].IsSequence() && node["command"].size() > 0)
     return node["name"].IsDefined() ? node["name"].Scalar() : fs::path(node["command"][0].Scalar()).stem().string();
-  std::string name, rest;
+  std::string name;
+  std::vector<std::pair<std::string, std::string>> rest;
   for (const auto& entry : node) {
     YAML::Emitter value;
     value << YAML::Flow << entry.second;
@@ -32,10 +47,11 @@ std::string ShortLevel(const std::string& text) {
     if (key == "name" || key == "preset") {
       name = entry.second.Scalar();
     } else {
-      rest += fmt::format(" {}={}", key, value.c_str());
+      rest.emplace_back(key, value.c_str());
     }
   }
-  return name.empty() && !rest.empty() ? rest.substr(1) : name + rest;
+  const std::string values = ShortValues(rest);
+  return name + (name.empty() || values.empty() ? "" : " ") + values;
 }
 
 /// Short texts if they still differ from each other.
