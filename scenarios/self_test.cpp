@@ -168,7 +168,8 @@ std::string SelfTestMarkdown(const Suite& suite, const SelfTestResult& result) {
   std::string text = fmt::format("## The gate `{}`: {}\n\n", suite.options.name, RatesText(result));
   text += fmt::format("Made by `{}`; frames by {}.\n\n", CommandText(suite, result), result.renderer);
   text += fmt::format(
-      "{} scenario and system{}, {} seeds each; the rule is {} at a one-sided level of {:g}, beyond the margin. "
+      "{} pair{} of scenario and system, {} seeds each; the rule is {} at a one-sided level of {:g}, beyond the "
+      "margin. "
       "Figures "
       "are medians over the seeds; `worse by` is the paired shift, positive is worse.\n\n",
       suite.entries.size(), suite.entries.size() == 1 ? "" : "s", suite.options.seeds.size(),
