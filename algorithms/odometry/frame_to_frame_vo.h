@@ -115,9 +115,9 @@ class FrameToFrameVo {
   ~FrameToFrameVo();
 
   /// Answers one frame. An image without texture, or unlike all before it, is an answer without a pose, never an error.
-  /// `restarted` marks the frame that begins a new path: it starts at the last known pose and with the last known median
-  /// depth as its unit, which is a guess. It marks, too, a frame that many points place farther from the last one than
-  /// `usual_speed` makes believable.
+  /// `restarted` marks the frame that begins a new path: it starts at the last known pose and with the last known
+  /// median depth as its unit, which is a guess. It marks, too, a frame that many points place farther from the last
+  /// one than `usual_speed` makes believable.
   /// @throws BadInput if the image's size is not the camera's.
   FrameEstimate Track(const Observation& observation);
 

@@ -51,8 +51,8 @@ class System {
   /// Called once after the last frame: a system that refined its past (loop closure) returns its final word on all
   /// frames; an odometry returns nothing.
   virtual std::vector<FrameEstimate> Finish() { return {}; }
-  /// After Finish(): why it stopped working, in one line; empty if it did not. For systems that are not ours: a crash of
-  /// theirs is a result, not an error.
+  /// After Finish(): why it stopped working, in one line; empty if it did not. For systems that are not ours: a crash
+  /// of theirs is a result, not an error.
   virtual std::string Failure() const { return {}; }
 };
 
