@@ -115,12 +115,22 @@ std::vector<double> Column(const Cell& cell, const std::string& name, double fac
   return values;
 }
 
+/// The system and what was set of it: "sift_vo (placing two_view)".
+std::string LabelOf(const SystemChoice& system) {
+  std::string settings;
+  for (const auto& [name, value] : system.settings) {
+    const std::string text = value.text() ? *value.text() : fmt::format("{:g}", *value.number());
+    settings += fmt::format("{}{} {}", settings.empty() ? "" : ", ", name, text);
+  }
+  return settings.empty() ? system.name : fmt::format("{} ({})", system.name, settings);
+}
+
 std::string Row(const Cell& cell) {
   std::vector<double> blur, ate, ms;
   int scored = 0;
   for (const JobRecord& record : cell.records) {
     blur.push_back(record.blur_median_px);
-    if (const auto at = record.timing.find("track_ms_median"); at != record.timing.end()) ms.push_back(at->second);
+    if (const auto at = record.timing.find("track_ms_mean"); at != record.timing.end()) ms.push_back(at->second);
     if (!record.not_scored.empty()) continue;
     ++scored;
     ate.push_back(100 * record.scores.at("ate_sim3_rmse_m") / record.scores.at("path_length_m"));
@@ -129,7 +139,7 @@ std::string Row(const Cell& cell) {
   return fmt::format("| {} | {} | {:g} ms | {} x {} | {} | {} | {} | {} of {} | {} | {} | {} | {} | {} | {} |\n",
                      s.name, s.robot == "omni_base" ? s.robot : s.robot + ", " + s.gait.preset,
                      s.camera.exposure.exposure_ms, s.camera.width_px, s.camera.height_px, Spread(blur, 1),
-                     Spread(Column(cell, "path_length_m"), 1), s.system.name, scored, cell.records.size(),
+                     Spread(Column(cell, "path_length_m"), 1), LabelOf(s.system), scored, cell.records.size(),
                      Spread(Column(cell, "coverage_ratio", 100), 1), Spread(ate, 2),
                      Spread(Column(cell, "end_drift_sim3_pct"), 2), Spread(Column(cell, "rotation_gain"), 3),
                      Spread(Column(cell, "restarts"), 0), Spread(ms, 0));
@@ -207,20 +217,21 @@ std::vector<Curve> Curves(const std::vector<Cell>& cells, const fs::path& runs) 
   const Trajectory truth = ReadTrajectory(runs / cells.front().hashes.front() / "truth.txt").trajectory;
   std::vector<Curve> curves{{"truth", {150, 150, 150}, 5, Pieces(truth, {}, {}, rate_hz)}};
   Scenario first = cells.front().scenario;
+  std::set<std::string> drawn;  // of one system's variants the first
   for (const Cell& cell : cells) {
     const std::string& name = cell.scenario.system.name;
     first.system = cell.scenario.system;
     const bool same_walk =
         ResolvedScenario{first, {}, {}, {}}.ToYaml() == ResolvedScenario{cell.scenario, {}, {}, {}}.ToYaml();
-    if (!same_walk || (name != "sift_vo" && name != "mobif_vo_plus")) continue;
+    if (!same_walk || !drawn.insert(name).second || (name != "sift_vo" && name != "mobif_vo_plus")) continue;
     const fs::path run = runs / cell.hashes.front();
     const Trajectory estimate = ReadTrajectory(run / "estimate.txt").trajectory;
     const auto pairs = AssociatePoses(EstimateFromTrajectory(estimate), truth, {});
     if (pairs.size() < 3) continue;
     const cv::Scalar color = name == "sift_vo" ? cv::Scalar(40, 40, 220) : cv::Scalar(200, 110, 0);
-    curves.push_back(
-        {fmt::format("{}, {:.1f} % of the frames", name, 100 * cell.records.front().scores.at("coverage_ratio")), color,
-         2, Pieces(estimate, RestartsOf(run), Align(pairs, Alignment::kSim3).X_WV, rate_hz)});
+    curves.push_back({fmt::format("{}, {:.1f} %", LabelOf(cell.scenario.system),
+                                  100 * cell.records.front().scores.at("coverage_ratio")),
+                      color, 2, Pieces(estimate, RestartsOf(run), Align(pairs, Alignment::kSim3).X_WV, rate_hz)});
   }
   return curves;
 }
