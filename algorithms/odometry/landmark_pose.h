@@ -78,6 +78,12 @@ class LandmarkPlacer {
     return (X_WC.translation - prior.position_W).norm() < kTooFar * prior.sigma;
   }
 
+  /// Whether no camera that is carried gets from there to here: believed because many landmarks say so, but marked.
+  static bool IsJump(const PositionPrior& prior, const Pose& X_WC) {
+    constexpr double kNeverCarried = 8;  // standard deviations: 5 median depths a second
+    return (X_WC.translation - prior.position_W).norm() >= kNeverCarried * prior.sigma;
+  }
+
   /// @returns nothing where no pose is agreed upon, with more noise neither. Never NaN.
   std::optional<LandmarkPose> Place(const LandmarkMap& map, const FrameView& view, const LandmarkPoseGuess& guess,
                                     RandomStream& random) const;

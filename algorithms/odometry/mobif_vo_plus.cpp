@@ -133,7 +133,7 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
   answer.inliers = int(inliers_.size());
   if (found) {
     answer.status = TrackingStatus::kTracking;
-    const bool is_jump = X_WC_last_ && !LandmarkPlacer::IsWithinReach(Expect(answer.stamp_ns), view.X_WC);
+    const bool is_jump = X_WC_last_ && LandmarkPlacer::IsJump(Expect(answer.stamp_ns), view.X_WC);
     answer.restarted = was_lost || is_jump;
     lost_frames_ = 0;
     if (had_map && WantsKeyframe(view)) {
