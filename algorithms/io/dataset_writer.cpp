@@ -310,9 +310,9 @@ DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& ca
       times_(folder_.path() / "times.txt", "# id time_s exposure_ms"),
       exposures_(folder_.path() / "exposure.csv", "#stamp_ns,exposure_ms,imu_samples,joint_samples"),
       jobs_(options) {
-  if (options.png_compression < 0 || options.png_compression > 9) {
+  if (options.png_compression < 1 || options.png_compression > 9) {
     throw BadOption("png_compression: " + std::to_string(options.png_compression) +
-                    " is not permitted; expected 0 to 9");
+                    " is not permitted; expected 1 to 9");
   }
   if (options.threads < 0 || options.threads > 64) {
     throw BadOption("threads: " + std::to_string(options.threads) + " is not permitted; expected 0 to 64");
