@@ -33,6 +33,7 @@ void TrackingThread::Run() {
     const double share_ms = std::chrono::duration<double, std::milli>(Clock::now() - finish).count() /
                             double(std::max<size_t>(1, estimate_.track_ms.size()));
     for (double& ms : estimate_.track_ms) ms += share_ms;  // the last word is about all frames
+    estimate_.floor = system_->Floor();
     estimate_.failure = system_->Failure();
   } catch (...) {
     failure_ = std::current_exception();

@@ -25,6 +25,13 @@ Pose PoseFrom(const double* position, const double* matrix) {
   return {R, Eigen::Vector3d(position[0], position[1], position[2])};
 }
 
+/// By the nominal kinematics, soles on the floor.
+StandingCamera StandingCameraOf(const Robot& robot, const Pose& X_MC, const Pose& X_WR,
+                                const std::vector<double>& joints) {
+  const Pose X_WC = X_WR * LinkPoses(robot, joints)[robot.camera.link] * robot.camera.X_LS * X_MC;
+  return {X_WC.translation.z(), X_WC.R().transpose() * Eigen::Vector3d::UnitZ()};
+}
+
 double ExpectedTime(const Robot& robot, const SimulationOptions& options) {
   const double path_s = robot.kind == Robot::Kind::kOmniBase ? EstimateDrivingTime(options.drive, options.path)
                                                              : EstimateWalkingTime(options.gait, options.path);
@@ -56,8 +63,9 @@ Simulation::Simulation(const Robot& robot, const gaitcam::Place& place, const Si
   }
   world_.Place(controller_->InitialRoot(), controller_->InitialJoints());
   last_position_ = world_.X_WB().translation.head<2>();
-  calibration_.imu =
-      CalibrateImu(robot, options.sensors, rig_.WorldCameras().front().X_MC, controller_->InitialJoints());
+  const Pose& X_MC = rig_.WorldCameras().front().X_MC;
+  calibration_.imu = CalibrateImu(robot, options.sensors, X_MC, controller_->InitialJoints());
+  calibration_.standing = StandingCameraOf(robot, X_MC, controller_->InitialRoot(), controller_->InitialJoints());
 }
 
 Simulation::~Simulation() = default;

@@ -49,6 +49,12 @@ struct ImuCalibration {
   Pose X_CI;                       ///< Maps points of the IMU frame into the (left) camera frame, neck at rest.
 };
 
+/// How the camera is carried while the robot stands on flat ground, ready to walk: its kinematics say so.
+struct StandingCamera {
+  double height_m = 0;                               ///< Of the camera's centre over the soles.
+  Eigen::Vector3d up_C = -Eigen::Vector3d::UnitY();  ///< The floor's upward normal, in the (left) camera's frame.
+};
+
 /// What a SLAM system is told about the sensors: everything that a calibration would yield, and nothing more.
 struct Calibration {
   CameraModel camera;                ///< Left, or the only one.
@@ -57,6 +63,7 @@ struct Calibration {
   bool has_depth = false;
   double frame_rate_hz = 0;
   ImuCalibration imu;
+  std::optional<StandingCamera> standing;  ///< Absent where it was not measured.
 };
 
 }  // namespace gaitcam

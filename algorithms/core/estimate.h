@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "algorithms/core/floor_picture.h"
 #include "algorithms/core/trajectory.h"
 
 namespace gaitcam {
@@ -32,8 +33,9 @@ struct FrameEstimate {
 /// All answers of one run, in frame order.
 struct Estimate {
   std::vector<FrameEstimate> frames;
-  std::string failure;           ///< Why the system stopped working, in one line; empty if it did not.
-  std::vector<double> track_ms;  ///< Wall time spent per frame; the one part that differs from run to run.
+  std::string failure;                ///< Why the system stopped working, in one line; empty if it did not.
+  std::optional<FloorPicture> floor;  ///< The floor as it was mapped, in the plane z = 0 of the poses' world.
+  std::vector<double> track_ms;       ///< Wall time spent per frame; the one part that differs from run to run.
 
   /// The frames that have a pose.
   Trajectory ToTrajectory() const;

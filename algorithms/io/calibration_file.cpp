@@ -181,6 +181,17 @@ ImuCalibration ReadImu(const YamlMap& map) {
   return imu;
 }
 
+StandingCamera ReadStanding(const YamlMap& map) {
+  map.RejectUnknown({"height_m", "up_C"});
+  StandingCamera standing;
+  standing.height_m = map.Number("height_m");
+  if (!(standing.height_m > 0)) map.Fail("height_m", "expected a height above 0");
+  const std::vector<double> up = map.Numbers("up_C", 3);
+  standing.up_C = {up[0], up[1], up[2]};
+  if (std::abs(standing.up_C.norm() - 1) > kNotUnit) map.Fail("up_C", "expected a vector of length 1");
+  return standing;
+}
+
 std::string MatrixText(const Pose& X) {
   const Eigen::Matrix4d M = X.Matrix();
   std::string text = "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
@@ -252,12 +263,16 @@ std::string CalibrationText(const Calibration& calibration) {
   ImuCalibration imu = calibration.imu;
   const std::vector<double*> members = ImuMembers(imu);
   for (size_t i = 0; i < members.size(); ++i) text += "  " + kImuNumbers[i] + ": " + ExactText(*members[i]) + "\n";
-  return text + PoseText("  ", "X_CI", imu.X_CI);
+  text += PoseText("  ", "X_CI", imu.X_CI);
+  if (!calibration.standing) return text;
+  const Eigen::Vector3d& up = calibration.standing->up_C;
+  return text + "standing:  # over the soles, ready to walk\n  height_m: " + ExactText(calibration.standing->height_m) +
+         "\n  up_C: " + List({up.x(), up.y(), up.z()}) + "\n";
 }
 
 Calibration ReadCalibration(const std::filesystem::path& file) {
   const YamlMap map(file);
-  map.RejectUnknown({"camera", "right", "X_LR", "has_depth", "frame_rate_hz", "imu"});
+  map.RejectUnknown({"camera", "right", "X_LR", "has_depth", "frame_rate_hz", "imu", "standing"});
   Calibration calibration;
   calibration.camera = ReadCamera(map.Map("camera"));
   if (map.Has("right")) {
@@ -267,6 +282,7 @@ Calibration ReadCalibration(const std::filesystem::path& file) {
   if (map.Has("has_depth")) calibration.has_depth = map.Flag("has_depth");
   if (map.Has("frame_rate_hz")) calibration.frame_rate_hz = map.Number("frame_rate_hz");
   if (map.Has("imu")) calibration.imu = ReadImu(map.Map("imu"));
+  if (map.Has("standing")) calibration.standing = ReadStanding(map.Map("standing"));
   return calibration;
 }
 

@@ -89,8 +89,9 @@ std::optional<float> FloorMap::Between(const Eigen::Vector2d& p_m) const {
   return sum;
 }
 
-FloorMap::Picture FloorMap::Draw() const {
-  Picture picture;
+FloorPicture FloorMap::Draw() const {
+  FloorPicture picture;
+  picture.cell_m = cell_m_;
   if (tiles_.empty()) return picture;
   int min_x = std::numeric_limits<int>::max(), min_y = min_x, max_x = std::numeric_limits<int>::min(), max_y = max_x;
   for (const auto& [tile, content] : tiles_) {

@@ -8,9 +8,10 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <utility>
+
+#include "algorithms/core/floor_picture.h"
 
 namespace gaitcam {
 
@@ -32,14 +33,8 @@ class FloorMap {
   /// How often the cell that holds a point was seen.
   int Sightings(const Eigen::Vector2d& p_m) const;
 
-  /// The picture of a rectangle of the floor, row 0 towards +y, column 0 towards -x, one pixel per cell.
-  struct Picture {
-    cv::Mat intensity;                                   ///< CV_8UC1; 0 where nothing was seen.
-    cv::Mat sightings;                                   ///< CV_16UC1: the mask of the thesis.
-    Eigen::Vector2d corner_m = Eigen::Vector2d::Zero();  ///< Centre of the pixel in row 0, column 0.
-  };
   /// All tiles that hold anything; an empty picture if there is none.
-  Picture Draw() const;
+  FloorPicture Draw() const;
 
   size_t tiles() const { return tiles_.size(); }
   /// Memory of the tiles that this map shares with no other one.

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -13,6 +14,7 @@
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/estimate.h"
+#include "algorithms/core/floor_picture.h"
 #include "algorithms/core/observation.h"
 
 namespace gaitcam {
@@ -51,6 +53,8 @@ class System {
   /// Called once after the last frame: a system that refined its past (loop closure) returns its final word on all
   /// frames; an odometry returns nothing.
   virtual std::vector<FrameEstimate> Finish() { return {}; }
+  /// After Finish(): the floor as it was mapped, in the plane z = 0 of the system's world; nothing if it maps none.
+  virtual std::optional<FloorPicture> Floor() const { return std::nullopt; }
   /// After Finish(): why it stopped working, in one line; empty if it did not. For systems that are not ours: a crash
   /// of theirs is a result, not an error.
   virtual std::string Failure() const { return {}; }

@@ -49,7 +49,7 @@ TEST(FloorMap, CopiesShareWhatNoneOfThemHasWrittenSince) {
 TEST(FloorMap, ThePictureStandsAsOneLooksDownOnTheFloor) {
   FloorMap map(0.01);
   map.Add({0.055, 0.025}, 250);
-  const FloorMap::Picture picture = map.Draw();
+  const FloorPicture picture = map.Draw();
   const int column = int(std::lround((0.055 - picture.corner_m.x()) / 0.01));
   const int row = int(std::lround((picture.corner_m.y() - 0.025) / 0.01));
   EXPECT_EQ(picture.intensity.at<uchar>(row, column), 250);
