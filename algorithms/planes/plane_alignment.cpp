@@ -11,7 +11,6 @@
 namespace gaitcam {
 namespace {
 
-using Matrix2x9 = Eigen::Matrix<double, 2, 9>;
 using Matrix11 = Eigen::Matrix<double, 11, 11>;
 using Vector11 = Eigen::Matrix<double, 11, 1>;
 
@@ -42,38 +41,49 @@ struct Residual {
   double value = 0;                 ///< current - (gain reference + offset), grey levels.
   double reference = 0;             ///< Intensity of the reference there.
   Eigen::Matrix<double, 1, 9> row;  ///< Derivative of `value` by motion and log inverse depths.
-  Matrix2x9 shift;                  ///< Derivative of the reference pixel's own displacement, px.
 };
 
 /// One level of one alignment: everything that stays the same during its iterations.
 class Level {
  public:
   Level(const CameraModel& camera, const PlaneAlignmentOptions& options, const PlaneReference& reference,
-        const ImagePyramid& current, size_t k, double blur_ratio)
+        const ImagePyramid& current, size_t k, const CurrentBlur& blur)
       : camera_(camera),
         options_(options),
         reference_(reference.pyramid.levels[k]),
         current_(current.levels[k]),
         points_(reference.points[k]),
         reference_blur_(reference.blur),
-        blur_ratio_(blur_ratio),
+        blur_(blur),
         scale_(double(1 << k)) {
     const double w = camera.width_px - 1, h = camera.height_px - 1;
     const std::vector<Eigen::Vector3d> corners{ToRay(camera, 1, {0, h}), ToRay(camera, 1, {w, h}),
                                                ToRay(camera, 1, {w / 2, h / 2})};
     M_ = internal::NormalFromInverseDepths(corners);
+    M_inverse_ = M_.inverse();
   }
 
   const Eigen::Matrix3d& M() const { return M_; }
+  const Eigen::Matrix3d& M_inverse() const { return M_inverse_; }
   size_t points() const { return points_.size(); }
   std::vector<Residual> Residuals(const PlaneState& state) const;
+  /// How far a step of motion and log inverse depths moves the points, root mean square, px of this level.
+  double Displacement_px(const PlaneState& state, const Eigen::Matrix<double, 9, 1>& step) const;
 
  private:
-  std::optional<Residual> ResidualAt(const PlaneState& state, const ExposureMotion& blur,
-                                     const Eigen::Vector2d& p_R) const;
+  /// What all points of one iteration share.
+  struct Shared {
+    Eigen::Matrix3d R, H, Mz;  ///< Mz: derivative of n_d by the logarithms of the inverse depths.
+    Eigen::Vector3d t, n_d;
+    double gain, offset;
+    ExposureMotion blur;
+    bool blurred;
+  };
+  Shared SharedOf(const PlaneState& state) const;
+  std::optional<Residual> ResidualAt(const Shared& s, const Eigen::Vector2d& p_R) const;
   std::optional<ImageSample> Average(const PyramidLevel& level, const Eigen::Vector2d& p,
                                      const Eigen::Vector2d& path) const;
-  /// How far the point at p (camera frame, any scale of `p` with inverse depth rho) moves in the image.
+  /// How far the point p (camera frame, m) moves in the image during an exposure.
   Eigen::Vector2d Path(const Eigen::Vector3d& p, const ExposureMotion& motion) const;
 
   const CameraModel& camera_;
@@ -82,8 +92,9 @@ class Level {
   const PyramidLevel& current_;
   const std::vector<Eigen::Vector2d>& points_;
   const ExposureMotion& reference_blur_;
-  double blur_ratio_, scale_;
-  Eigen::Matrix3d M_;
+  const CurrentBlur& blur_;
+  double scale_;
+  Eigen::Matrix3d M_, M_inverse_;
 };
 
 Eigen::Vector2d Level::Path(const Eigen::Vector3d& p, const ExposureMotion& motion) const {
@@ -92,11 +103,16 @@ Eigen::Vector2d Level::Path(const Eigen::Vector3d& p, const ExposureMotion& moti
   return PixelJacobian(camera_, scale_, p) * velocity;
 }
 
-/// Mean along the path of an exposure, sampled about once per pixel.
+/// Mean along the path of an exposure, sampled about every second pixel.
 std::optional<ImageSample> Level::Average(const PyramidLevel& level, const Eigen::Vector2d& p,
                                           const Eigen::Vector2d& path) const {
-  const int wanted = 1 + 2 * int(std::ceil((path.norm() - 0.5) / 2));
-  const int samples = std::clamp(wanted, 1, options_.max_blur_samples);
+  const double length = path.norm();
+  const int wanted = length < 0.5 ? 1 : 1 + 2 * int(std::ceil((length - 0.5) / 2));
+  const int samples = std::min(wanted, options_.max_blur_samples);
+  if (samples == 1) {
+    if (!level.Contains(p)) return std::nullopt;
+    return level.At(p);
+  }
   const Eigen::Vector2d half = 0.5 * path;
   if (!level.Contains(p - half) || !level.Contains(p + half)) return std::nullopt;
   ImageSample sum;
@@ -110,50 +126,76 @@ std::optional<ImageSample> Level::Average(const PyramidLevel& level, const Eigen
   return ImageSample{sum.intensity * share, sum.du * share, sum.dv * share};
 }
 
+Level::Shared Level::SharedOf(const PlaneState& state) const {
+  Shared s;
+  s.R = state.X_CR.R();
+  s.t = state.X_CR.translation;
+  s.n_d = state.normal_d;
+  s.H = s.R + s.t * s.n_d.transpose();
+  s.Mz = M_ * (M_inverse_ * s.n_d).asDiagonal();
+  s.gain = state.gain;
+  s.offset = state.offset;
+  s.blur = blur_.Motion(state.X_CR);
+  s.blurred = options_.max_blur_samples > 1 && (!s.blur.isZero() || !reference_blur_.isZero());
+  return s;
+}
+
 /// A blurred picture of each image is compared: the reference smeared by the current exposure's path, the current one
 /// by the reference's. Each then carries both blurs, whichever of them was sharp.
-std::optional<Residual> Level::ResidualAt(const PlaneState& state, const ExposureMotion& blur,
-                                          const Eigen::Vector2d& p_R) const {
+std::optional<Residual> Level::ResidualAt(const Shared& s, const Eigen::Vector2d& p_R) const {
   const Eigen::Vector3d ray = ToRay(camera_, scale_, p_R);
-  const double rho = state.normal_d.dot(ray);
+  const double rho = s.n_d.dot(ray);
   if (rho <= 1e-6) return std::nullopt;  // on or above the horizon
-  const Eigen::Vector3d p = state.X_CR.R() * ray + rho * state.X_CR.translation;
+  const Eigen::Vector3d p = s.H * ray;   // the point seen, times its inverse depth
   if (p.z() <= 1e-3) return std::nullopt;
   const Eigen::Matrix<double, 2, 3> dpixel = PixelJacobian(camera_, scale_, p);
-  Eigen::Matrix<double, 3, 2> dray = Eigen::Matrix<double, 3, 2>::Zero();
-  dray(0, 0) = scale_ / camera_.fx;
-  dray(1, 1) = scale_ / camera_.fy;
-  const Eigen::Matrix3d H = state.X_CR.R() + state.X_CR.translation * state.normal_d.transpose();
-  const Eigen::Matrix2d A = dpixel * H * dray;  // d p_C / d p_R
+  Eigen::Matrix2d A = dpixel * s.H.leftCols<2>();  // d p_C / d p_R
+  A.col(0) *= scale_ / camera_.fx;
+  A.col(1) *= scale_ / camera_.fy;
   if (std::abs(A.determinant()) < 1e-3) return std::nullopt;
   const Eigen::Matrix2d A_inverse = A.inverse();
 
-  const bool blurred = options_.max_blur_samples > 1;
-  const Eigen::Vector2d path_C = blurred ? Path(p / rho, blur) : Eigen::Vector2d::Zero();
-  const Eigen::Vector2d path_R = blurred ? Path(ray / rho, reference_blur_) : Eigen::Vector2d::Zero();
-  const std::optional<ImageSample> seen = Average(current_, ToPixel(camera_, scale_, p), A * path_R);
-  const std::optional<ImageSample> expected = Average(reference_, p_R, A_inverse * path_C);
+  Eigen::Vector2d path_C = Eigen::Vector2d::Zero(), path_R = path_C;  // each in the other image
+  if (s.blurred) {
+    path_C = A_inverse * Path(p / rho, s.blur);
+    path_R = A * Path(ray / rho, reference_blur_);
+  }
+  const std::optional<ImageSample> seen = Average(current_, ToPixel(camera_, scale_, p), path_R);
+  const std::optional<ImageSample> expected = Average(reference_, p_R, path_C);
   if (!seen || !expected) return std::nullopt;
 
   Residual r;
   r.reference = expected->intensity;
-  r.value = seen->intensity - (state.gain * r.reference + state.offset);
-  r.shift = A_inverse * internal::WarpJacobian(camera_, scale_, state, M_, p_R);
-  // Eq. 6.19: the mean of the two images' gradients, both as functions of the reference pixel, is second order.
-  const Eigen::RowVector2d gradient =
-      0.5 * (Eigen::RowVector2d(seen->du, seen->dv) * A + state.gain * Eigen::RowVector2d(expected->du, expected->dv));
-  r.row = gradient * r.shift;
+  r.value = seen->intensity - (s.gain * r.reference + s.offset);
+  // Eq. 6.19: the mean of the two images' gradients, both as functions of the current pixel, is second order.
+  const Eigen::RowVector2d gradient = 0.5 * (Eigen::RowVector2d(seen->du, seen->dv) +
+                                             s.gain * Eigen::RowVector2d(expected->du, expected->dv) * A_inverse);
+  const Eigen::RowVector3d by_point = gradient * dpixel;
+  const Eigen::RowVector3d by_point_R = by_point * s.R;
+  r.row.head<3>() = rho * by_point_R;
+  r.row.segment<3>(3) = ray.cross(by_point_R.transpose()).transpose();
+  r.row.tail<3>() = by_point.dot(s.t) * (ray.transpose() * s.Mz);
   return r;
 }
 
 std::vector<Residual> Level::Residuals(const PlaneState& state) const {
-  const ExposureMotion blur = blur_ratio_ * LogSe3(state.X_CR);
+  const Shared shared = SharedOf(state);
   std::vector<Residual> residuals;
   residuals.reserve(points_.size());
   for (const Eigen::Vector2d& p : points_) {
-    if (std::optional<Residual> residual = ResidualAt(state, blur, p)) residuals.push_back(*residual);
+    if (std::optional<Residual> residual = ResidualAt(shared, p)) residuals.push_back(*residual);
   }
   return residuals;
+}
+
+double Level::Displacement_px(const PlaneState& state, const Eigen::Matrix<double, 9, 1>& step) const {
+  constexpr size_t kEvery = 16;
+  double sum = 0;
+  size_t count = 0;
+  for (size_t i = 0; i < points_.size(); i += kEvery, ++count) {
+    sum += (internal::WarpJacobian(camera_, scale_, state, M_, points_[i]) * step).squaredNorm();
+  }
+  return count == 0 ? 0 : std::sqrt(sum / double(count));
 }
 
 /// 1.4826 times the median of absolute values: the standard deviation of a Gaussian, whatever the outliers.
@@ -170,7 +212,6 @@ double RobustSigma(const std::vector<Residual>& residuals) {
 struct Equations {
   Matrix11 H = Matrix11::Zero();
   Vector11 g = Vector11::Zero();
-  Eigen::Matrix<double, 9, 9> shift2 = Eigen::Matrix<double, 9, 9>::Zero();  ///< Mean squared pixel displacement.
 };
 
 Equations Accumulate(const std::vector<Residual>& residuals, double sigma, const PlaneAlignmentOptions& options) {
@@ -182,10 +223,8 @@ Equations Accumulate(const std::vector<Residual>& residuals, double sigma, const
     row << r.row.transpose(), options.photometric ? -r.reference : 0, options.photometric ? -1 : 0;
     e.H.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
     e.g -= weight * r.value * row;
-    e.shift2.selfadjointView<Eigen::Lower>().rankUpdate(r.shift.transpose(), 1.0 / double(residuals.size()));
   }
   e.H = Matrix11(e.H.selfadjointView<Eigen::Lower>());
-  e.shift2 = Eigen::Matrix<double, 9, 9>(e.shift2.selfadjointView<Eigen::Lower>());
   return e;
 }
 
@@ -199,10 +238,10 @@ Eigen::Matrix3d NormalInformation(const Eigen::Vector3d& normal_d, const PlanePr
          (length * length);
 }
 
-void AddPrior(const PlaneState& state, const PlaneState& guess, const PlanePrior& prior, const Eigen::Matrix3d& M,
+void AddPrior(const PlaneState& state, const PlaneState& guess, const PlanePrior& prior, const Level& level,
               Equations& e) {
-  const Eigen::Vector3d z = M.inverse() * state.normal_d;
-  const Eigen::Matrix3d J = M * z.asDiagonal(), information = NormalInformation(guess.normal_d, prior);
+  const Eigen::Vector3d z = level.M_inverse() * state.normal_d;
+  const Eigen::Matrix3d J = level.M() * z.asDiagonal(), information = NormalInformation(guess.normal_d, prior);
   e.H.block<3, 3>(6, 6) += J.transpose() * information * J;
   e.g.segment<3>(6) -= J.transpose() * information * (state.normal_d - guess.normal_d);
   Vector6d weight;
@@ -243,6 +282,41 @@ void DescribeCovariance(const Equations& e, const PlaneState& state, const Eigen
   result.normal_covariance = J * covariance.block<3, 3>(6, 6) * J.transpose();
 }
 
+/// The pixels of largest gradient, spread over the image: every block gives its best one before any gives a second.
+std::vector<Eigen::Vector2d> ChoosePoints(const PyramidLevel& level, const cv::Mat& mask, size_t k, size_t most) {
+  constexpr float kLeastGradient_grey = 1;  // per pixel; flat ground says nothing
+  constexpr int kBlock_px = 8;
+  struct Candidate {
+    int rank;
+    float strength;
+    Eigen::Vector2d p;
+  };
+  const int blocks_across = level.width() / kBlock_px + 1;
+  std::vector<std::vector<Candidate>> blocks(size_t(blocks_across) * size_t(level.height() / kBlock_px + 1));
+  for (int v = 2; v < level.height() - 2; ++v) {
+    const uchar* inside = mask.ptr<uchar>(std::min(v << k, mask.rows - 1));
+    const cv::Vec3f* row = level.samples.ptr<cv::Vec3f>(v);
+    for (int u = 2; u < level.width() - 2; ++u) {
+      if (inside[std::min(u << k, mask.cols - 1)] == 0) continue;
+      const float strength = row[u][1] * row[u][1] + row[u][2] * row[u][2];
+      if (strength < kLeastGradient_grey * kLeastGradient_grey) continue;
+      blocks[size_t(v / kBlock_px * blocks_across + u / kBlock_px)].push_back({0, strength, {u, v}});
+    }
+  }
+  std::vector<Candidate> all;
+  for (std::vector<Candidate>& block : blocks) {
+    std::stable_sort(block.begin(), block.end(), [](const auto& a, const auto& b) { return a.strength > b.strength; });
+    for (size_t i = 0; i < block.size(); ++i) block[i].rank = int(i);
+    all.insert(all.end(), block.begin(), block.end());
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+    return a.rank != b.rank ? a.rank < b.rank : a.strength > b.strength;
+  });
+  std::vector<Eigen::Vector2d> points;
+  for (size_t i = 0; i < std::min(most, all.size()); ++i) points.push_back(all[i].p);
+  return points;
+}
+
 }  // namespace
 
 Pose ExpSe3(const Vector6d& x) {
@@ -268,6 +342,13 @@ Vector6d LogSe3(const Pose& X) {
   return x;
 }
 
+ExposureMotion CurrentBlur::Motion(const Pose& X_CR) const {
+  if (ratio == 0) return ExposureMotion::Zero();
+  ExposureMotion motion = ratio * LogSe3(X_CR * X_RP);
+  if (turn) motion.tail<3>() = -*turn;
+  return motion;
+}
+
 PlaneAligner::PlaneAligner(const CameraModel& camera, const PlaneAlignmentOptions& options)
     : camera_(camera), options_(options) {
   camera.Check();
@@ -276,36 +357,22 @@ PlaneAligner::PlaneAligner(const CameraModel& camera, const PlaneAlignmentOption
 
 PlaneReference PlaneAligner::MakeReference(const cv::Mat& image, const cv::Mat& mask) const {
   GAITCAM_ASSERT(mask.type() == CV_8UC1 && mask.size() == image.size());
-  constexpr float kLeastGradient_grey = 1;  // per pixel; flat ground says nothing
   PlaneReference reference{MakePyramid(image), {}, ExposureMotion::Zero()};
   for (size_t k = 0; k < reference.pyramid.levels.size(); ++k) {
-    const PyramidLevel& level = reference.pyramid.levels[k];
-    std::vector<std::pair<float, Eigen::Vector2d>> found;
-    for (int v = 2; v < level.height() - 2; ++v) {
-      for (int u = 2; u < level.width() - 2; ++u) {
-        if (mask.at<uchar>(std::min(v << k, mask.rows - 1), std::min(u << k, mask.cols - 1)) == 0) continue;
-        const cv::Vec3f sample = level.samples.at<cv::Vec3f>(v, u);
-        const float strength = std::hypot(sample[1], sample[2]);
-        if (strength >= kLeastGradient_grey) found.push_back({strength, {u, v}});
-      }
-    }
-    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-    if (found.size() > size_t(options_.max_points)) found.resize(size_t(options_.max_points));
-    reference.points.emplace_back();
-    for (const auto& [strength, p] : found) reference.points.back().push_back(p);
+    reference.points.push_back(ChoosePoints(reference.pyramid.levels[k], mask, k, size_t(options_.max_points)));
   }
   return reference;
 }
 
 PlaneAlignment PlaneAligner::Align(const PlaneReference& reference, const ImagePyramid& current,
-                                   const PlaneState& guess, const PlanePrior& prior, double blur_ratio) const {
+                                   const PlaneState& guess, const PlanePrior& prior, const CurrentBlur& blur) const {
   GAITCAM_ASSERT(reference.pyramid.levels.size() == current.levels.size());
   constexpr size_t kLeastPoints = 30;  // some three per unknown
   constexpr double kMiddleGrey = 128, kBrightnessStep_grey = 0.2;
   PlaneAlignment result;
   result.state = guess;
   for (size_t k = current.levels.size(); k-- > 0;) {
-    const Level level(camera_, options_, reference, current, k, blur_ratio);
+    const Level level(camera_, options_, reference, current, k, blur);
     if (level.points() < kLeastPoints && k > 0) continue;  // too small a patch up here
     for (int i = 0; i < options_.max_iterations; ++i, ++result.iterations) {
       const std::vector<Residual> residuals = level.Residuals(result.state);
@@ -313,11 +380,11 @@ PlaneAlignment PlaneAligner::Align(const PlaneReference& reference, const ImageP
       const double sigma = std::max(options_.noise_grey, RobustSigma(residuals));
       Describe(residuals, level.points(), sigma, result);
       Equations equations = Accumulate(residuals, sigma, options_);
-      AddPrior(result.state, guess, prior, level.M(), equations);
+      AddPrior(result.state, guess, prior, level, equations);
       const Vector11 step = equations.H.ldlt().solve(equations.g);
       if (!step.allFinite()) return result;
       const PlaneState updated = Updated(result.state, level.M(), step);
-      const double moved_px = std::sqrt(std::max(0.0, step.head<9>().dot(equations.shift2 * step.head<9>())));
+      const double moved_px = level.Displacement_px(result.state, step.head<9>());
       if (k == 0) DescribeCovariance(equations, result.state, level.M(), result);
       result.state = updated;
       const double brightened_grey = std::abs(kMiddleGrey * step(9) + step(10));

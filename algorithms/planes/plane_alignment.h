@@ -47,7 +47,7 @@ struct PlanePrior {
 struct PlaneAlignmentOptions {
   using DescribedTag = void;
   int levels = 4;                   ///< Of the pyramid, coarse to fine.
-  int max_points = 2500;            ///< Pixels per level, those of largest gradient.
+  int max_points = 1500;            ///< Pixels per level: those of largest gradient, well spread.
   int max_iterations = 20;          ///< Per level.
   double step_px = 0.01;            ///< A level is done when a step moves its pixels by less (root mean square).
   double huber = 1.345;             ///< In standard deviations of the residuals: beyond it they weigh less.
@@ -61,7 +61,7 @@ struct PlaneAlignmentOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, PlaneAlignmentOptions& o) {
   visit("levels", o.levels, Between(1, 8), "pyramid levels");
-  visit("max_points", o.max_points, Between(50, 1000000), "pixels per level, those of largest gradient");
+  visit("max_points", o.max_points, Between(50, 1000000), "pixels per level: those of largest gradient, well spread");
   visit("max_iterations", o.max_iterations, Between(1, 1000), "per level");
   visit("step_px", o.step_px, Between(1e-6, 1.0), "a smaller step ends a level");
   visit("huber", o.huber, Between(0.1, 100.0), "standard deviations beyond which a residual weighs less");
@@ -72,8 +72,19 @@ void VisitFields(Visitor& visit, PlaneAlignmentOptions& o) {
   visit("max_blur_samples", o.max_blur_samples, Between(1, 99), "sub-poses of an exposure; 1: none");
 }
 
-/// How a camera moved while a shutter was open: from opening to close, in its own frame.
+/// How still points moved in a camera's frame while its shutter was open: (translation, rotation vector).
 using ExposureMotion = Vector6d;
+
+/// How the current image is blurred, as far as it is known before its pose is.
+struct CurrentBlur {
+  double ratio = 0;                     ///< Exposure over the time since the frame before it; 0: it is sharp.
+  Pose X_RP;                            ///< Where that frame was, in R: at R itself if it was the reference.
+  std::optional<Eigen::Vector3d> turn;  ///< Of the camera in its own frame during the exposure (rotation vector),
+                                        ///< where a gyroscope tells it; without, the motion since P goes on.
+
+  CurrentBlur(double ratio = 0) : ratio(ratio) {}  // NOLINT: a ratio alone is the common case
+  ExposureMotion Motion(const Pose& X_CR) const;
+};
 
 /// The reference image and those of its pixels that lie on the plane.
 struct PlaneReference {
@@ -98,14 +109,13 @@ class PlaneAligner {
   /// @param camera of undistorted images. @throws BadOption.
   PlaneAligner(const CameraModel& camera, const PlaneAlignmentOptions& options);
 
-  /// @param mask CV_8UC1 of the image's size: not zero where the plane is seen. Keeps the pixels of largest gradient.
+  /// @param mask CV_8UC1 of the image's size: not zero where the plane is seen. Keeps pixels of large gradient.
   PlaneReference MakeReference(const cv::Mat& image, const cv::Mat& mask) const;
   ImagePyramid MakePyramid(const cv::Mat& image) const { return ImagePyramid::Of(image, options_.levels); }
 
-  /// @param blur_ratio the current image's exposure over the time since the reference image: the motion that is
-  /// estimated, times this ratio, blurs the current image; 0 takes it for sharp.
+  /// @param blur of the current image; it depends on the motion that is estimated.
   PlaneAlignment Align(const PlaneReference& reference, const ImagePyramid& current, const PlaneState& guess,
-                       const PlanePrior& prior, double blur_ratio = 0) const;
+                       const PlanePrior& prior, const CurrentBlur& blur = {}) const;
 
   const PlaneAlignmentOptions& options() const { return options_; }
 
