@@ -1,0 +1,68 @@
+/// Parts of an image that may show a plane, before anything is known of the scene (thesis 6.3).
+///
+/// Floors of one colour say something only where they end: a region that edges enclose is proposed by the band along
+/// its boundary. Planks, tiles and carpets have texture all over and no closed outline: there, blocks of dense texture
+/// are proposed. What of this really lies in the floor, the alignment has to find out (thesis 6.4.2).
+
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/fields.h"
+
+namespace gaitcam {
+
+struct PutativePlaneOptions {
+  using DescribedTag = void;
+  std::string selector = "both";  ///< "boundary", "texture" or "both".
+  int most_regions = 24;          ///< The largest are kept, of each selector.
+
+  double canny_low = 30, canny_high = 80;  ///< Gradients as the Sobel operator has them: 4 per grey level per pixel
+                                           ///< of a ramp.
+  int closing_px = 2;                      ///< Gaps in edges are closed by dilation and erosion of this radius.
+  double least_area_ratio = 0.01;          ///< A smaller part of the image is no region that edges enclose.
+  int band_px = 6;                         ///< Thickness of a boundary (thesis 6.3).
+
+  double texture_gradient_grey = 2.5;  ///< Per pixel, after smoothing with 1 px: less is taken for noise.
+  int texture_window_px = 15;          ///< Side of the square within which texture is counted.
+  double texture_density = 0.3;        ///< Part of that square which must be textured.
+  double least_texture_ratio = 0.006;  ///< A smaller part of the image is no textured region.
+  int block_px = 64;                   ///< Textured regions are cut along a grid so wide; 0: not at all.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, PutativePlaneOptions& o) {
+  visit("selector", o.selector, OneOf({"boundary", "texture", "both"}), "regions by their outline, by their texture");
+  visit("most_regions", o.most_regions, Between(1, 1000), "largest regions kept, of each selector");
+  visit("canny_low", o.canny_low, Between(1, 2000), "edges end below this Sobel gradient");
+  visit("canny_high", o.canny_high, Between(1, 2000), "edges start above this Sobel gradient");
+  visit("closing_px", o.closing_px, Between(0, 20), "radius by which gaps in edges are closed");
+  visit("least_area_ratio", o.least_area_ratio, Between(0.0001, 1.0), "least part of the image that edges enclose");
+  visit("band_px", o.band_px, Between(2, 64), "thickness of a boundary");
+  visit("texture_gradient_grey", o.texture_gradient_grey, Between(0.1, 255.0), "grey per pixel; less is noise");
+  visit("texture_window_px", o.texture_window_px, Between(3, 255), "side of the square for the density of texture");
+  visit("texture_density", o.texture_density, Between(0.01, 1.0), "part of the square that is textured");
+  visit("least_texture_ratio", o.least_texture_ratio, Between(0.0001, 1.0), "least part of the image with texture");
+  visit("block_px", o.block_px, Between(0, 10000), "grid that cuts textured regions; 0: whole");
+}
+
+struct PutativePlane {
+  enum class Kind { kBoundary, kTexture };
+  Kind kind = Kind::kBoundary;
+  cv::Mat pixels;    ///< CV_8UC1 of the image's size, 255 what to align: the boundary's band, or the textured region.
+  cv::Mat enclosed;  ///< Likewise, the region with its inside (holes filled).
+  int area_px = 0;   ///< Of `enclosed`.
+};
+
+/// @param image undistorted, CV_8UC1 or CV_8UC3.
+/// @return largest first; of equal ones, boundaries first and then the upper, left one. Where the image itself ends is
+/// no boundary. A region without a boundary in the image is left out.
+/// @throws BadOption; BadInput if the image is of another type or a side is below 32 px.
+std::vector<PutativePlane> FindPutativePlanes(const cv::Mat& image, const PutativePlaneOptions& options = {});
+
+/// All that is to be aligned, CV_8UC1.
+cv::Mat UnionOfPixels(const std::vector<PutativePlane>& planes, cv::Size size);
+
+}  // namespace gaitcam
