@@ -26,8 +26,8 @@ struct PutativePlaneOptions {
   int band_px = 6;                         ///< Thickness of a boundary (thesis 6.3).
 
   double texture_gradient_grey = 2.5;  ///< Per pixel, after smoothing with 1 px: less is taken for noise.
-  int texture_window_px = 15;          ///< Side of the square within which texture is counted.
-  double texture_density = 0.3;        ///< Part of that square which must be textured.
+  int texture_window_px = 21;          ///< Side of the square within which texture is counted.
+  double texture_density = 0.33;       ///< Part of that square which must be textured.
   double least_texture_ratio = 0.006;  ///< A smaller part of the image is no textured region.
   int block_px = 64;                   ///< Textured regions are cut along a grid so wide; 0: not at all.
 };
