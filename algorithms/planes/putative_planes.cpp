@@ -55,35 +55,31 @@ std::vector<Region> LargestRegions(const cv::Mat& free, int least_area_px, int m
   return regions;
 }
 
-void FillHoles(cv::Mat& mask) {
+cv::Mat HolesFilled(const cv::Mat& mask) {
   std::vector<std::vector<cv::Point>> contours;
   cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
-  cv::drawContours(mask, contours, -1, cv::Scalar(255), cv::FILLED);
+  cv::Mat filled = cv::Mat::zeros(mask.size(), CV_8UC1);
+  cv::drawContours(filled, contours, -1, cv::Scalar(255), cv::FILLED);
+  return filled;
 }
 
 /// The band about a region's boundary. What lies beyond the image counts as part of the region and as no neighbour of
 /// it, so that the image's own rim is no boundary.
 PutativePlane BoundaryOf(const cv::Mat& labels, const Region& region, int band_px) {
-  const int reach_px = band_px / 2 + 1;
-  const cv::Rect whole({0, 0}, labels.size());
-  const cv::Rect around = cv::Rect(region.rectangle.x - reach_px, region.rectangle.y - reach_px,
-                                   region.rectangle.width + 2 * reach_px, region.rectangle.height + 2 * reach_px) &
-                          whole;
-  const cv::Mat inside = labels(around) == region.label;
-  PutativePlane plane;
-  plane.pixels = cv::Mat::zeros(labels.size(), CV_8UC1);
-  plane.enclosed = cv::Mat::zeros(labels.size(), CV_8UC1);
   // The edge itself, a line of one pixel, lies outside the region: of an odd thickness the outer half is the larger
   // one.
   const int inner_px = band_px / 2, outer_px = band_px - inner_px;
+  const cv::Rect& r = region.rectangle;
+  PutativePlane plane;
+  plane.at = cv::Rect(r.x - outer_px, r.y - outer_px, r.width + 2 * outer_px, r.height + 2 * outer_px) &
+             cv::Rect({0, 0}, labels.size());
+  const cv::Mat inside = labels(plane.at) == region.label;
   cv::Mat grown, shrunk;
   cv::dilate(inside, grown, Square(outer_px));
   cv::erode(inside, shrunk, Square(inner_px));
-  cv::Mat(grown & ~shrunk).copyTo(plane.pixels(around));
-  inside.copyTo(plane.enclosed(around));
-  cv::Mat filled = plane.enclosed(around);
-  FillHoles(filled);
-  plane.area_px = cv::countNonZero(filled);
+  plane.pixels = grown & ~shrunk;
+  plane.enclosed = HolesFilled(inside);
+  plane.area_px = cv::countNonZero(plane.enclosed);
   return plane;
 }
 
@@ -131,12 +127,10 @@ std::vector<PutativePlane> FindTextured(const cv::Mat& smooth, const PutativePla
   for (const Region& region : LargestRegions(dense, least_area_px, options.most_regions, labels)) {
     PutativePlane plane;
     plane.kind = PutativePlane::Kind::kTexture;
-    plane.pixels = cv::Mat::zeros(labels.size(), CV_8UC1);
-    cv::Mat(labels(region.rectangle) == region.label).copyTo(plane.pixels(region.rectangle));
-    plane.enclosed = plane.pixels.clone();
-    cv::Mat filled = plane.enclosed(region.rectangle);
-    FillHoles(filled);
-    plane.area_px = cv::countNonZero(filled);
+    plane.at = region.rectangle;
+    plane.pixels = labels(plane.at) == region.label;
+    plane.enclosed = HolesFilled(plane.pixels);
+    plane.area_px = cv::countNonZero(plane.enclosed);
     planes.push_back(std::move(plane));
   }
   return planes;
@@ -156,9 +150,15 @@ std::vector<PutativePlane> FindPutativePlanes(const cv::Mat& image, const Putati
   return planes;
 }
 
-cv::Mat UnionOfPixels(const std::vector<PutativePlane>& planes, cv::Size size) {
-  cv::Mat all = cv::Mat::zeros(size, CV_8UC1);
-  for (const PutativePlane& plane : planes) all |= plane.pixels;
+cv::Mat UnionOfPixels(const std::vector<PutativePlane>& planes, cv::Size image_size) {
+  cv::Mat all = cv::Mat::zeros(image_size, CV_8UC1);
+  for (const PutativePlane& plane : planes) all(plane.at) |= plane.pixels;
+  return all;
+}
+
+cv::Mat UnionOfEnclosed(const std::vector<PutativePlane>& planes, cv::Size image_size) {
+  cv::Mat all = cv::Mat::zeros(image_size, CV_8UC1);
+  for (const PutativePlane& plane : planes) all(plane.at) |= plane.enclosed;
   return all;
 }
 

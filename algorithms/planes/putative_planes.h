@@ -48,11 +48,14 @@ void VisitFields(Visitor& visit, PutativePlaneOptions& o) {
   visit("block_px", o.block_px, Between(0, 10000), "grid that cuts textured regions; 0: whole");
 }
 
+/// A region; its masks are as large as the rectangle `at` of the image (255 or 0, CV_8UC1), which saves most of the
+/// time.
 struct PutativePlane {
   enum class Kind { kBoundary, kTexture };
   Kind kind = Kind::kBoundary;
-  cv::Mat pixels;    ///< CV_8UC1 of the image's size, 255 what to align: the boundary's band, or the textured region.
-  cv::Mat enclosed;  ///< Likewise, the region with its inside (holes filled).
+  cv::Rect at;
+  cv::Mat pixels;    ///< What to align: the boundary's band, or the textured region.
+  cv::Mat enclosed;  ///< The region with its inside (holes filled).
   int area_px = 0;   ///< Of `enclosed`.
 };
 
@@ -62,7 +65,8 @@ struct PutativePlane {
 /// @throws BadOption; BadInput if the image is of another type or a side is below 32 px.
 std::vector<PutativePlane> FindPutativePlanes(const cv::Mat& image, const PutativePlaneOptions& options = {});
 
-/// All that is to be aligned, CV_8UC1.
-cv::Mat UnionOfPixels(const std::vector<PutativePlane>& planes, cv::Size size);
+/// All that is to be aligned of some regions, or all that they enclose: CV_8UC1 of the image's size.
+cv::Mat UnionOfPixels(const std::vector<PutativePlane>& planes, cv::Size image_size);
+cv::Mat UnionOfEnclosed(const std::vector<PutativePlane>& planes, cv::Size image_size);
 
 }  // namespace gaitcam

@@ -52,6 +52,9 @@ double IntersectionOverUnion(const cv::Mat& a, const cv::Mat& b) {
   return double(cv::countNonZero(a & b)) / double(cv::countNonZero(a | b));
 }
 
+cv::Mat Pixels(const PutativePlane& plane) { return UnionOfPixels({plane}, {kWidth, kHeight}); }
+cv::Mat Enclosed(const PutativePlane& plane) { return UnionOfEnclosed({plane}, {kWidth, kHeight}); }
+
 /// Share of `part` that lies in `whole`.
 double Inside(const cv::Mat& part, const cv::Mat& whole) {
   return double(cv::countNonZero(part & whole)) / double(std::max(1, cv::countNonZero(part)));
@@ -71,14 +74,14 @@ TEST(PutativePlanes, AUniformRegionIsFoundWithABandAlongItsBoundary) {
   EXPECT_EQ(planes[1].kind, PutativePlane::Kind::kBoundary);
   const cv::Mat truth = Filled(kPolygon);
   // Canny's line takes a pixel on one side or the other: 550 px of outline on 26 000 px of area are 2 %.
-  EXPECT_GT(IntersectionOverUnion(planes[1].enclosed, truth), 0.96);
+  EXPECT_GT(IntersectionOverUnion(Enclosed(planes[1]), truth), 0.96);
   EXPECT_NEAR(planes[1].area_px, cv::countNonZero(truth), 1000);
   cv::Mat distance, outline = cv::Mat::zeros(truth.size(), CV_8UC1);
   cv::polylines(outline, kPolygon, true, cv::Scalar(255));
   cv::distanceTransform(outline == 0, distance, cv::DIST_L2, 3);
   cv::Mat near = distance <= 1, far = distance > 6;
-  EXPECT_GT(Inside(near, planes[1].pixels), 0.99);  // the outline itself is covered
-  EXPECT_EQ(cv::countNonZero(far & planes[1].pixels), 0);
+  EXPECT_GT(Inside(near, Pixels(planes[1])), 0.99);  // the outline itself is covered
+  EXPECT_EQ(cv::countNonZero(far & Pixels(planes[1])), 0);
   const double thickness = cv::countNonZero(planes[1].pixels) / cv::arcLength(kPolygon, true);
   EXPECT_NEAR(thickness, 6, 1.2);  // squares reach farther along slanting lines, by up to 1 / cos 45 degrees
 }
@@ -89,8 +92,8 @@ TEST(PutativePlanes, TheRimOfTheImageIsNoBoundary) {
   const std::vector<PutativePlane> planes = FindPutativePlanes(image, Only("boundary"));
   ASSERT_EQ(planes.size(), 2U);
   for (const PutativePlane& plane : planes) {
-    EXPECT_EQ(cv::countNonZero(plane.pixels.rowRange(0, 112)), 0);
-    EXPECT_EQ(cv::countNonZero(plane.pixels.rowRange(128, kHeight)), 0);
+    EXPECT_EQ(cv::countNonZero(Pixels(plane).rowRange(0, 112)), 0);
+    EXPECT_EQ(cv::countNonZero(Pixels(plane).rowRange(128, kHeight)), 0);
     EXPECT_NEAR(cv::countNonZero(plane.pixels) / double(kWidth), 6, 1.01);
   }
 }
@@ -102,7 +105,7 @@ TEST(PutativePlanes, AnOutlineWithASmallGapStillEncloses) {
   PutativePlaneOptions options = Only("boundary");
   const auto finds_it = [&] {
     for (const PutativePlane& plane : FindPutativePlanes(image, options)) {
-      if (IntersectionOverUnion(plane.enclosed, Filled(kPolygon)) > 0.9) return true;
+      if (IntersectionOverUnion(Enclosed(plane), Filled(kPolygon)) > 0.9) return true;
     }
     return false;
   };
@@ -118,7 +121,7 @@ TEST(PutativePlanes, SmallRegionsAreLeftOut) {
   const std::vector<PutativePlane> planes = FindPutativePlanes(image, Only("boundary"));
   ASSERT_EQ(planes.size(), 1U);  // the ground, whose boundary is that of the small one
   EXPECT_GT(planes[0].area_px, kWidth * kHeight - 500);
-  EXPECT_GT(cv::countNonZero(planes[0].pixels(cv::Rect(90, 90, 40, 40))), 0);
+  EXPECT_GT(cv::countNonZero(Pixels(planes[0])(cv::Rect(90, 90, 40, 40))), 0);
 }
 
 TEST(PutativePlanes, TextureIsFoundWhereItIsAndNowhereElse) {
@@ -143,10 +146,10 @@ TEST(PutativePlanes, PartsOfATexturedRegionFitTheirBlocksAndDoNotOverlap) {
   cv::Mat count = cv::Mat::zeros(image.size(), CV_8UC1);
   for (const PutativePlane& plane : FindPutativePlanes(image, options)) {
     EXPECT_EQ(plane.kind, PutativePlane::Kind::kTexture);
-    const cv::Rect box = cv::boundingRect(plane.pixels);
+    const cv::Rect box = cv::boundingRect(Pixels(plane));
     EXPECT_EQ(box.x / options.block_px, (box.x + box.width - 1) / options.block_px);
     EXPECT_EQ(box.y / options.block_px, (box.y + box.height - 1) / options.block_px);
-    count += plane.pixels / 255;
+    count(plane.at) += plane.pixels / 255;
   }
   double most = 0;
   cv::minMaxLoc(count, nullptr, &most);
@@ -173,7 +176,7 @@ TEST(PutativePlanes, AreSortedAndTheSameEveryTime) {
   ASSERT_EQ(once.size(), twice.size());
   ASSERT_GE(once.size(), 3U);
   for (size_t i = 0; i < once.size(); ++i) {
-    EXPECT_EQ(cv::countNonZero(once[i].pixels != twice[i].pixels), 0);
+    EXPECT_EQ(cv::countNonZero(Pixels(once[i]) != Pixels(twice[i])), 0);
     EXPECT_EQ(once[i].area_px, cv::countNonZero(once[i].enclosed));
     if (i > 0) {
       EXPECT_GE(once[i - 1].area_px, once[i].area_px);
@@ -187,7 +190,7 @@ TEST(PutativePlanes, ColourIsTakenForItsGrey) {
   cv::cvtColor(grey, colour, cv::COLOR_GRAY2BGR);
   const std::vector<PutativePlane> a = FindPutativePlanes(grey), b = FindPutativePlanes(colour);
   ASSERT_EQ(a.size(), b.size());
-  for (size_t i = 0; i < a.size(); ++i) EXPECT_EQ(cv::countNonZero(a[i].pixels != b[i].pixels), 0);
+  for (size_t i = 0; i < a.size(); ++i) EXPECT_EQ(cv::countNonZero(Pixels(a[i]) != Pixels(b[i])), 0);
 }
 
 std::string WhatIsSaid(const cv::Mat& image, const PutativePlaneOptions& options) {
