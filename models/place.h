@@ -67,8 +67,8 @@ Place ReadPlace(const std::string& name_or_path, const std::filesystem::path& mo
 /// Names of the shipped places, sorted.
 std::vector<std::string> ListPlaces(const std::filesystem::path& models_folder);
 
-/// The true floor as seen from straight above, x to the right and y up, `pixels_per_m` pixels per metre over the
-/// floor's extent. CV_8UC3, display values, without lighting.
+/// The true floor as seen from straight above, with the prints and lines that lie on it, x to the right and y up,
+/// `pixels_per_m` pixels per metre over the floor's extent. CV_8UC3, display values, without lighting.
 cv::Mat FloorImage(const Place& place, double pixels_per_m);
 
 }  // namespace gaitcam

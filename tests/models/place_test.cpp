@@ -304,6 +304,40 @@ TEST(Place, ACoarseFloorImageIsAMean) {
   EXPECT_LE(cv::norm(diff, cv::NORM_INF), 1);  // rounding
 }
 
+TEST(Place, TheFloorImageShowsThePrintsThatLieOnIt) {
+  // A picture with one bright quadrant, right and up, turned by a quarter: up becomes -x, right becomes +y.
+  const std::filesystem::path folder = testing::TempDir();
+  cv::Mat picture(60, 60, CV_8UC3, cv::Scalar(20, 20, 20));
+  picture(cv::Rect(30, 0, 30, 30)).setTo(cv::Scalar(220, 220, 220));
+  cv::imwrite((folder / "quadrant.png").string(), picture);
+  const Place place = SmallPlace(
+      "textures: {quadrant: {kind: image, file: quadrant.png}}\n"
+      "posters: [{at: [0.5, 0.25, 0], lies: true, facing_deg: 180, size: [0.4, 0.6], thickness_m: 0.001, texture: "
+      "quadrant}]\n"
+      "boxes:\n"
+      "  - {at: [-1, 0, 0.001], size: [0.2, 1, 0.002], yaw_deg: 90, rgb: [1, 0, 0], collides: false}\n"
+      "  - {at: [-1, -0.8, 0.1], size: [0.2, 0.2, 0.2], rgb: [0, 1, 0]}\n");
+  const Place bare = SmallPlace("");
+  for (const double scale : {50.0, 128.0, 400.0}) {
+    const cv::Mat floor = FloorImage(place, scale), without = FloorImage(bare, scale);
+    const auto at = [&](const cv::Mat& image, double x, double y) {
+      return image.at<cv::Vec3b>(int((1 - y) * scale), int((x + 2) * scale));
+    };
+    for (const double a : {-0.1, 0.1}) {
+      for (const double b : {-0.15, 0.15}) {  // a along the picture's right, b along its up
+        const cv::Vec3b seen = at(floor, 0.5 - b, 0.25 + a);
+        EXPECT_EQ(seen[0], a > 0 && b > 0 ? 220 : 20) << a << " " << b << " at " << scale;
+      }
+    }
+    for (const double side : {-0.4, 0.4}) {
+      EXPECT_EQ(at(floor, -1 + side, 0), cv::Vec3b(0, 0, 255));                           // a line on the floor
+      EXPECT_EQ(at(floor, -1, side), at(without, -1, side));                              // beside it
+      EXPECT_EQ(at(floor, 0.5, 0.25 + side * 0.7), at(without, 0.5, 0.25 + side * 0.7));  // beside the print
+    }
+    EXPECT_EQ(at(floor, -1, -0.8), at(without, -1, -0.8));  // what stands on the floor is not of it
+  }
+}
+
 TEST(Place, ErrorsPointIntoTheFile) {
   const std::string floor = "floor: {texture: {kind: carpet, px_per_m: 32}}\n";
   EXPECT_EQ(ErrorOf(floor + "wals: []\n"), "place_test.yaml:2:1: wals: unknown key; did you mean walls?");

@@ -60,19 +60,20 @@ std::filesystem::path WriteFile(const std::string& name, const std::string& text
   return file;
 }
 
-TEST(PlaceView, TheFloorLiesWhereItsTrueImageSays) {
-  const Place place = ReadPlace("lab", kModels);
+/// Straight down from 0.6 m the camera sees what the floor's image shows around there.
+void ExpectFloorAsInItsImage(const std::string& name, double x, double y) {
+  const Place place = ReadPlace(name, kModels);
   PlaceViewer viewer(place);
   CameraModel camera = CameraModel::FromHorizontalFov(320, 240, 60);
-  constexpr double kHeight = 0.6, kX = 2.0, kY = -2.3;
+  constexpr double kHeight = 0.6;
   const double px_per_m = camera.fx / kHeight;
   // Straight down; the picture's top looks along +x, so its right is -y.
-  const cv::Mat seen = viewer.Grey(Look({kX, kY, kHeight}, 0, M_PI / 2), camera);
+  const cv::Mat seen = viewer.Grey(Look({x, y, kHeight}, 0, M_PI / 2), camera);
   cv::Mat floor, turned;
   cv::cvtColor(FloorImage(place, px_per_m), floor, cv::COLOR_BGR2GRAY);
   // FloorImage has x to the right and y up. Turned counterclockwise, its top is +x and its right is -y.
   cv::rotate(floor, turned, cv::ROTATE_90_COUNTERCLOCKWISE);
-  const double column = (place.floor_max.y() - kY) * px_per_m, row = (place.floor_max.x() - kX) * px_per_m;
+  const double column = (place.floor_max.y() - y) * px_per_m, row = (place.floor_max.x() - x) * px_per_m;
   const cv::Rect around(int(std::lround(column - 160)) - 8, int(std::lround(row - 120)) - 8, 320 + 16, 240 + 16);
   ASSERT_EQ(around & cv::Rect({0, 0}, turned.size()), around);
   cv::Mat score;
@@ -84,6 +85,13 @@ TEST(PlaceView, TheFloorLiesWhereItsTrueImageSays) {
   // Rounding of the cut-out is half a pixel in each direction.
   EXPECT_NEAR(at.x, 8, 1);
   EXPECT_NEAR(at.y, 8, 1);
+}
+
+TEST(PlaceView, TheFloorLiesWhereItsTrueImageSays) { ExpectFloorAsInItsImage("lab", 2.0, -2.3); }
+
+TEST(PlaceView, ThePrintsOnATableLieWhereItsTrueImageSays) {
+  ExpectFloorAsInItsImage("tabletop", 0.5, -0.3);
+  ExpectFloorAsInItsImage("tabletop", -0.6, 0.6);
 }
 
 TEST(PlaceView, PicturesAreUprightAndNotMirrored) {
