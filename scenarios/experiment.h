@@ -18,7 +18,6 @@
 #include <utility>
 #include <vector>
 
-#include "scenarios/executor.h"
 #include "scenarios/scenario.h"
 
 namespace gaitcam {

@@ -27,7 +27,7 @@
 #include "results/alignment.h"
 #include "results/score.h"
 #include "results/statistics.h"
-#include "scenarios/study.h"
+#include "scenarios/jobs/study.h"
 
 namespace gaitcam {
 namespace {

@@ -18,7 +18,7 @@
 #include "algorithms/features/blur_segmentation.h"
 #include "algorithms/features/psf.h"
 #include "algorithms/features/psf_inertial.h"
-#include "scenarios/runner.h"
+#include "scenarios/runs/runner.h"
 #include "tests/algorithms/features/psf_fixtures.h"
 
 namespace gaitcam {

@@ -16,7 +16,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "scenarios/recorder.h"
+#include "scenarios/runs/recorder.h"
 #include "scenarios/scenario.h"
 
 namespace gaitcam {

@@ -18,10 +18,13 @@ const Folders kAlgorithmsButIo = {"algorithms/core",      "algorithms/features",
                                   "algorithms/odometry",  "algorithms/planes",   "algorithms/places",
                                   "algorithms/estimation"};
 
-Folders With(Folders folders, const std::string& more) {
-  folders.insert(more);
+Folders With(Folders folders, const Folders& more) {
+  folders.insert(more.begin(), more.end());
   return folders;
 }
+
+const Folders kAllBelowScenarios =
+    With(kAlgorithmsButIo, {"algorithms/io", "algorithms/slam", "models", "sim", "results"});
 
 // Folder to the folders it may include, besides itself.
 const std::map<std::string, Folders> kArrows = {
@@ -37,8 +40,12 @@ const std::map<std::string, Folders> kArrows = {
     {"models", {"algorithms/core"}},
     {"sim", {"algorithms/core", "models"}},
     {"results", {"algorithms/core"}},
-    {"scenarios",
-     With(With(With(With(With(kAlgorithmsButIo, "algorithms/io"), "algorithms/slam"), "models"), "sim"), "results")},
+    {"scenarios", kAllBelowScenarios},
+    {"scenarios/runs", With(kAllBelowScenarios, {"scenarios"})},
+    {"scenarios/jobs", With(kAllBelowScenarios, {"scenarios", "scenarios/runs"})},
+    {"scenarios/datasets", With(kAllBelowScenarios, {"scenarios", "scenarios/runs", "scenarios/jobs"})},
+    {"scenarios/commands",
+     With(kAllBelowScenarios, {"scenarios", "scenarios/runs", "scenarios/jobs", "scenarios/datasets"})},
 };
 
 // Third-party headers that only these folders may see.
@@ -46,7 +53,7 @@ const std::map<std::string, Folders> kReserved = {
     {"mujoco/", {"sim"}},
     {"EGL/", {"sim"}},
     {"urdf_", {"models"}},
-    {"CLI/", {"scenarios"}},
+    {"CLI/", {"scenarios/commands"}},
     {"openssl/", {"algorithms/io"}},
 };
 

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "scenarios/folders.h"
-#include "scenarios/recorder.h"
+#include "scenarios/runs/recorder.h"
 #include "scenarios/scenario.h"
 
 namespace gaitcam {

@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "algorithms/core/errors.h"
+#include "scenarios/commands/commands.h"
+#include "scenarios/runs/interrupt.h"
+#include "scenarios/runs/runner.h"
+
+namespace gaitcam {
+namespace {
+
+std::string ReadText(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+void PrintOutcome(const RunOutcome& outcome) {
+  if (outcome.scores) fmt::print("{}", ScoresToTable(*outcome.scores));
+  if (outcome.status == "fell") {
+    fmt::print("\nThe robot FELL after {:.2f} s; the scores cover what was filmed until then.\n", outcome.end_time_s);
+  } else if (outcome.status == "interrupted") {
+    fmt::print("\nINTERRUPTED after {:.2f} s; the scores cover what was filmed until then.\n", outcome.end_time_s);
+  }
+  fmt::print("\nreport: {}\n", (outcome.folder / "report.html").string());
+}
+
+}  // namespace
+
+int RunCommand(const RunArguments& arguments, const CommonOptions& common) {
+  const ResolvedScenario resolved = ReadScenario(arguments.scenario.file, arguments.scenario.Assignments());
+  const Scenario& scenario = resolved.scenario;
+  const InterruptGuard guard;
+  RunOptions options;
+  options.out = arguments.out;
+  if (options.out.empty()) {
+    options.out = fmt::format("runs/{}-{}-seed{}", scenario.name, scenario.system.name, scenario.seed);
+  }
+  options.quiet = common.quiet;
+  options.interrupted = [&guard] { return guard.Interrupted(); };
+  const RunOutcome outcome = RunScenario(resolved, options);
+  const bool interrupted = outcome.status == "interrupted";
+  if (!outcome.scores) {
+    const std::string line =
+        fmt::format("{} after {:.2f} s; {}; see {}", interrupted ? "interrupted" : "the walk " + outcome.status,
+                    outcome.end_time_s, outcome.no_scores_reason, (outcome.folder / "report.html").string());
+    if (!interrupted) throw TooLittleData(line);
+    fmt::print(stderr, "gaitcam: {}\n", line);
+  }
+  if (common.json) {
+    fmt::print("{}", ReadText(outcome.folder / "scores.json"));
+  } else if (!common.quiet) {
+    PrintOutcome(outcome);
+  }
+  return interrupted ? 130 : 0;
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,10 @@
+#include "scenarios/commands/commands.h"
+#include "scenarios/jobs/executor.h"
+
+namespace gaitcam {
+
+int WorkCommand(const WorkArguments& arguments, const CommonOptions&) {
+  return WorkOn(arguments.runs, arguments.hash, {arguments.cache.folder, arguments.cache.max_gb});
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,30 @@
+/// Whether a data set is whole: each sequence, and the index, the data card and the checksums that go with many.
+
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scenarios/datasets/sequence_check.h"
+
+namespace gaitcam {
+
+struct DatasetReport {
+  struct Sequence {
+    std::string name;
+    int64_t frames = 0;
+    bool with_truth = false;
+    std::optional<FloorIntrinsics> floor;
+  };
+  Problems problems;
+  std::vector<Sequence> sequences;
+  int64_t frames = 0, images = 0, files_summed = 0;
+};
+
+/// @param folder what `record` wrote of a matrix (index.csv in it), OUT of one recording (NAME and NAME-truth in it),
+/// or a folder of sensors, ours or anybody's; its truth is looked for beside it.
+/// @throws BadInput if it is none of these.
+DatasetReport CheckDataset(const std::filesystem::path& folder);
+
+}  // namespace gaitcam

@@ -1,0 +1,161 @@
+#include "scenarios/jobs/job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/io/checksum.h"
+#include "algorithms/io/dataset_reader.h"
+#include "algorithms/io/trajectory_file.h"
+#include "scenarios/runs/output_folder.h"
+#include "scenarios/runs/tracked_system.h"
+#include "scenarios/runs/tracking_thread.h"
+#include "scenarios/versions.h"
+
+namespace gaitcam {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kSchema = "gaitcam.job.1";
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+nlohmann::ordered_json ToJson(const JobRecord& record, const std::string& program) {
+  nlohmann::ordered_json json{{"schema", kSchema},
+                              {"hash", record.hash},
+                              {"program", program},
+                              {"status", record.status},
+                              {"failure", record.failure},
+                              {"not_scored", record.not_scored},
+                              {"frames", record.frames},
+                              {"end_time_s", record.end_time_s},
+                              {"blur_median_px", record.blur_median_px},
+                              {"renderer", record.renderer}};
+  for (const auto& [name, value] : record.scores) json["scores"][name] = value;  // NaN becomes null
+  for (const auto& [name, value] : record.timing) json["timing"][name] = value;
+  return json;
+}
+
+std::map<std::string, double> NumbersOf(const nlohmann::json& json, const char* key) {
+  std::map<std::string, double> numbers;
+  if (!json.contains(key)) return numbers;
+  for (const auto& [name, value] : json.at(key).items()) numbers[name] = value.is_null() ? NAN : value.get<double>();
+  return numbers;
+}
+
+JobRecord FromJson(const nlohmann::json& json) {
+  JobRecord record;
+  record.hash = json.at("hash");
+  record.status = json.at("status");
+  record.failure = json.at("failure");
+  record.not_scored = json.at("not_scored");
+  record.frames = json.at("frames");
+  record.end_time_s = json.at("end_time_s");
+  record.blur_median_px = json.at("blur_median_px");
+  record.renderer = json.at("renderer");
+  record.scores = NumbersOf(json, "scores");
+  record.timing = NumbersOf(json, "timing");
+  return record;
+}
+
+/// @returns nothing if interrupted.
+std::optional<Estimate> TrackSequence(const Scenario& scenario, const CachedSequence& sequence, const fs::path& folder,
+                                      const std::function<bool()>& interrupted) {
+  DatasetReader reader(sequence.folders.sensors);
+  TrackingThread tracker(MakeTrackedSystem(scenario, reader.calibration(), folder));
+  while (std::optional<Observation> observation = reader.Next()) {
+    if (interrupted()) return std::nullopt;
+    tracker.Push(std::move(*observation));
+  }
+  return tracker.Finish();
+}
+
+/// Scores what there is to score, and keeps why not where there is too little.
+std::optional<Scores> ScoreInto(const Estimate& estimate, const CachedSequence& sequence, const ScoreOptions& options,
+                                JobRecord& record) {
+  const CachedSequence::Frames frames = sequence.ReadFrames();
+  record.blur_median_px = Median(frames.blur_median_px);
+  const double poses = double(estimate.ToTrajectory().size());
+  record.scores["coverage_ratio"] = frames.stamps.empty() ? 0 : poses / double(frames.stamps.size());
+  try {
+    Scores scores = ScoreEstimate(estimate, sequence.Truth(), frames.stamps, options);
+    for (const Score& score : scores.scores) record.scores[score.name] = score.value;
+    for (const Score& score : scores.timing) record.timing[score.name] = score.value;
+    return scores;
+  } catch (const TooLittleData& e) {
+    record.not_scored = e.what();
+    return std::nullopt;
+  }
+}
+
+std::string TrackingCsv(const Estimate& estimate) {
+  std::string text = "stamp_ns,status,restarted,features,inliers\n";
+  for (const FrameEstimate& frame : estimate.frames) {
+    text += fmt::format("{},{},{},{},{}\n", frame.stamp_ns, ToString(frame.status), int(frame.restarted),
+                        frame.features, frame.inliers);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string ProgramsFingerprint(const Scenario& scenario, const fs::path& program) {
+  const std::string ours = program == "/proc/self/exe" ? ProgramFingerprint() : Sha256OfFile(program);
+  if (!scenario.system.external) return ours;
+  const fs::path theirs = scenario.system.external->command.front();
+  return ours + (fs::is_regular_file(theirs) ? "+" + Sha256OfFile(theirs) : "");
+}
+
+bool RunJob(const ResolvedScenario& resolved, const JobOptions& options) {
+  const Scenario& scenario = resolved.scenario;
+  const std::optional<CachedSequence> sequence =
+      SequenceCache(options.cache).Get(resolved, options.quiet, options.interrupted);
+  if (!sequence) return false;
+  JobRecord record;
+  record.hash = HashOf(resolved);
+  OutputFolder folder(options.runs / record.hash, "");
+  const std::optional<Estimate> estimate = TrackSequence(scenario, *sequence, folder.path(), options.interrupted);
+  if (!estimate) return false;
+  record.status = sequence->status;
+  record.failure = estimate->failure;
+  record.frames = sequence->frames;
+  record.end_time_s = sequence->end_time_s;
+  record.renderer = sequence->renderer;
+  const std::optional<Scores> scores = ScoreInto(*estimate, *sequence, scenario.score, record);
+  WriteTrajectory(folder.path() / "estimate.txt", estimate->ToTrajectory(), TrajectoryFormat::kTum);
+  WriteTrajectory(folder.path() / "truth.txt", sequence->Truth(), TrajectoryFormat::kTum);
+  folder.WriteText("tracking.csv", TrackingCsv(*estimate));
+  folder.WriteText("scenario.yaml", resolved.ToYaml());
+  if (scores) folder.WriteText("scores.json", ScoresToJson(*scores));
+  folder.WriteText("job.json", ToJson(record, ProgramsFingerprint(scenario)).dump(2) + "\n");
+  folder.Commit();
+  return true;
+}
+
+std::optional<JobRecord> FindJob(const fs::path& runs, const ResolvedScenario& resolved) {
+  return FindJob(runs, HashOf(resolved), ProgramsFingerprint(resolved.scenario));
+}
+
+std::optional<JobRecord> FindJob(const fs::path& runs, const std::string& hash,
+                                 const std::string& program_fingerprint) {
+  const fs::path file = runs / hash / "job.json";
+  std::ifstream stream(file);
+  if (!stream) return std::nullopt;
+  try {
+    const nlohmann::json json = nlohmann::json::parse(stream);
+    if (json.at("schema") != kSchema || json.at("program") != program_fingerprint) return std::nullopt;
+    return FromJson(json);
+  } catch (const nlohmann::json::exception& e) {
+    throw BadInput(file.string() + ": damaged (" + e.what() + "); remove this folder");
+  }
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,61 @@
+#include "scenarios/runs/tracking_thread.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+
+TrackingThread::TrackingThread(std::unique_ptr<System> system)
+    : system_(std::move(system)), thread_([this] { Run(); }) {}
+
+TrackingThread::~TrackingThread() { Join(); }
+
+void TrackingThread::Run() {
+  using Clock = std::chrono::steady_clock;
+  try {
+    while (const std::optional<Observation> observation = queue_.Pop()) {
+      const Clock::time_point start = Clock::now();
+      FrameEstimate frame = system_->Track(*observation);
+      estimate_.track_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+      GAITCAM_ASSERT(frame.stamp_ns == observation->stamp_ns);
+      GAITCAM_ASSERT(!frame.pose || (frame.pose->translation.allFinite() && frame.pose->rotation.coeffs().allFinite()));
+      estimate_.frames.push_back(std::move(frame));
+    }
+    const Clock::time_point finish = Clock::now();
+    std::map<int64_t, FrameEstimate> refined;
+    for (FrameEstimate& frame : system_->Finish()) refined[frame.stamp_ns] = std::move(frame);
+    for (FrameEstimate& frame : estimate_.frames) {
+      if (const auto better = refined.find(frame.stamp_ns); better != refined.end()) frame = better->second;
+    }
+    const double share_ms = std::chrono::duration<double, std::milli>(Clock::now() - finish).count() /
+                            double(std::max<size_t>(1, estimate_.track_ms.size()));
+    for (double& ms : estimate_.track_ms) ms += share_ms;  // the last word is about all frames
+    estimate_.floor = system_->Floor();
+    estimate_.failure = system_->Failure();
+  } catch (...) {
+    failure_ = std::current_exception();
+    queue_.Close();
+  }
+}
+
+void TrackingThread::Push(Observation observation) {
+  if (queue_.Push(std::move(observation))) return;
+  Join();
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+Estimate TrackingThread::Finish() {
+  Join();
+  if (failure_) std::rethrow_exception(failure_);
+  return std::move(estimate_);
+}
+
+void TrackingThread::Join() {
+  queue_.Close();
+  if (thread_.joinable()) thread_.join();
+}
+
+}  // namespace gaitcam
