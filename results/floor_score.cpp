@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "algorithms/core/errors.h"
-#include "results/metrics.h"
+#include "results/statistics.h"
 
 namespace gaitcam {
 namespace {
@@ -39,6 +39,28 @@ FloorPicture Mapped(const FloorPicture& map, int min_sightings) {
   mapped.intensity = map.intensity(box);
   map.sightings(box).copyTo(mapped.sightings, often(box));
   return mapped;
+}
+
+/// The part of the truth that can matter to a map, so that a small map of a large hall costs little.
+FloorTruth Cropped(const FloorTruth& truth, const FloorPicture& mapped, const FloorMotion& X_WV,
+                   const FloorScoreOptions& options) {
+  if (mapped.empty() || truth.grey.empty() || !(truth.px_per_m > 0)) return truth;
+  const cv::Size size = mapped.intensity.size();
+  const double diagonal = mapped.cell_m * std::hypot(size.width, size.height);
+  // A turn moves no cell further than it would at the other end of the diagonal.
+  const double reach = diagonal / 2 + options.margin_m + 2 * options.alignment.max_shift_m +
+                       diagonal * options.alignment.max_turn_deg * std::numbers::pi / 180;
+  const Vector2d middle = X_WV * CellMiddle(mapped, (size.width - 1) / 2.0, (size.height - 1) / 2.0);
+  const Eigen::Array2d low =  // column and row
+      ((middle - truth.corner_m).array() * Eigen::Array2d(1, -1) - reach) * truth.px_per_m;
+  const double side = 2 * reach * truth.px_per_m;
+  const auto clip = [](double value, int most) { return int(std::clamp(value, 0.0, double(most))); };
+  const cv::Point from(clip(std::floor(low.x()), truth.grey.cols), clip(std::floor(low.y()), truth.grey.rows));
+  const cv::Point to(clip(std::ceil(low.x() + side) + 1, truth.grey.cols),
+                     clip(std::ceil(low.y() + side) + 1, truth.grey.rows));
+  const cv::Rect part(from, to);
+  if (part.empty()) return truth;
+  return {truth.grey(part), truth.px_per_m, truth.corner_m + Vector2d(from.x, -from.y) / truth.px_per_m};
 }
 
 /// The true floor at the map's own cells: CV_32FC1, kBeyond where there is none.
@@ -322,14 +344,15 @@ double Shift(const FloorPicture& mapped, const FloorMotion& from, const FloorMot
 
 }  // namespace
 
-FloorComparison CompareFloor(const FloorPicture& map, const FloorTruth& truth, const Similarity& X_WV,
+FloorComparison CompareFloor(const FloorPicture& map, const FloorTruth& whole_truth, const Similarity& X_WV,
                              const FloorScoreOptions& options) {
   CheckFields(options, "map.");
   CheckMap(map);
   const FloorPicture mapped = Mapped(map, options.min_sightings);
-  const TrueFloor floor(truth, map.empty() ? 1 / truth.px_per_m : map.cell_m);
   FloorComparison result;
   result.X_WV_trajectory = FloorMotion(X_WV);
+  const FloorTruth truth = Cropped(whole_truth, mapped, result.X_WV_trajectory, options);
+  const TrueFloor floor(truth, map.empty() ? 1 / truth.px_per_m : map.cell_m);
   const Overlap before(mapped, floor, result.X_WV_trajectory);
   const double ncc_before = before.Correlate().Value();
   result.X_WV = AlignFloor(mapped, floor, result.X_WV_trajectory, options.alignment);
@@ -367,9 +390,8 @@ FloorComparison CompareFloor(const FloorPicture& map, const FloorTruth& truth, c
   add("map_landmarks", looked_for, "", "corners of the true floor on mapped ground", Better::kNeither);
   add("map_landmarks_found_ratio", looked_for > 0 ? double(errors.size()) / looked_for : kNaN, "",
       fmt::format("part of them that the map clearly shows within {:g} m", options.landmark_search_m), Better::kHigher);
-  add("map_landmark_error_median_m", Quantile(errors, 0.5), "m", "how far off the map shows them, median",
-      Better::kLower);
-  add("map_landmark_error_p90_m", Quantile(errors, 0.9), "m", "how far off the map shows them, 90th percentile",
+  add("map_landmark_error_median_m", MedianOf(errors), "m", "how far off the map shows them, median", Better::kLower);
+  add("map_landmark_error_p90_m", QuantileOf(errors, 0.9), "m", "how far off the map shows them, 90th percentile",
       Better::kLower);
   return result;
 }

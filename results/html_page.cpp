@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <sstream>
 #include <vector>
 
@@ -10,6 +13,22 @@
 
 namespace gaitcam::internal {
 namespace {
+
+std::string Base64(const std::vector<uchar>& bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const size_t n = std::min<size_t>(3, bytes.size() - i);
+    const uint32_t group =
+        uint32_t(bytes[i]) << 16 | (n > 1 ? uint32_t(bytes[i + 1]) << 8 : 0) | (n > 2 ? uint32_t(bytes[i + 2]) : 0);
+    out += kDigits[group >> 18];
+    out += kDigits[group >> 12 & 63];
+    out += n > 1 ? kDigits[group >> 6 & 63] : '=';
+    out += n > 2 ? kDigits[group & 63] : '=';
+  }
+  return out;
+}
 
 // Series colours are those of Okabe and Ito, distinct to colour-blind eyes, a little lighter in the dark.
 constexpr std::string_view kStyle = R"css(
@@ -211,6 +230,17 @@ std::string ScriptSafe(std::string json) {
 }
 
 }  // namespace
+
+std::string JpegUri(const cv::Mat& picture, int max_width_px) {
+  cv::Mat shown = picture;
+  if (picture.cols > max_width_px) {
+    cv::resize(picture, shown, {max_width_px, int(std::lround(double(picture.rows) * max_width_px / picture.cols))}, 0,
+               0, cv::INTER_AREA);
+  }
+  std::vector<uchar> bytes;
+  cv::imencode(".jpg", shown, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
+  return "data:image/jpeg;base64," + Base64(bytes);
+}
 
 std::string Escape(const std::string& text) {
   std::string out;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <opencv2/core.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,6 +29,9 @@ struct HtmlPage {
 std::string PageHtml(const HtmlPage& page, const std::filesystem::path& chart_library);
 
 std::string Escape(const std::string& text);
+
+/// A picture as a data URI, no wider than `max_width_px`.
+std::string JpegUri(const cv::Mat& picture, int max_width_px);
 
 /// Three significant digits: read at a glance.
 std::string ThreeDigits(double value);

@@ -8,14 +8,14 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "algorithms/core/errors.h"
 #include "results/html_page.h"
 #include "results/metrics.h"
+#include "results/report_map.h"
 #include "results/report_page.h"
+#include "results/statistics.h"
 
 namespace gaitcam {
 namespace {
@@ -24,40 +24,13 @@ using Json = nlohmann::ordered_json;
 using internal::Banner;
 using internal::Card;
 using internal::Escape;
+using internal::JpegUri;
 using internal::Key;
 using internal::KeyEntry;
 using internal::Panel;
 using internal::ThreeDigits;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::string Base64(const std::vector<uchar>& bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const size_t n = std::min<size_t>(3, bytes.size() - i);
-    const uint32_t group =
-        uint32_t(bytes[i]) << 16 | (n > 1 ? uint32_t(bytes[i + 1]) << 8 : 0) | (n > 2 ? uint32_t(bytes[i + 2]) : 0);
-    out += kDigits[group >> 18];
-    out += kDigits[group >> 12 & 63];
-    out += n > 1 ? kDigits[group >> 6 & 63] : '=';
-    out += n > 2 ? kDigits[group & 63] : '=';
-  }
-  return out;
-}
-
-/// A picture as a data URI, no wider than `max_width_px`.
-std::string JpegUri(const cv::Mat& picture, int max_width_px) {
-  cv::Mat shown = picture;
-  if (picture.cols > max_width_px) {
-    cv::resize(picture, shown, {max_width_px, int(std::lround(double(picture.rows) * max_width_px / picture.cols))}, 0,
-               0, cv::INTER_AREA);
-  }
-  std::vector<uchar> bytes;
-  cv::imencode(".jpg", shown, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
-  return "data:image/jpeg;base64," + Base64(bytes);
-}
 
 // ---- What the charts are drawn from
 // -----------------------------------------------------------------------------------
@@ -92,7 +65,7 @@ double UsualInterval(const Trajectory& trajectory) {
   for (size_t i = 1; i < trajectory.size(); ++i) {
     gaps.push_back(double(trajectory[i].stamp_ns - trajectory[i - 1].stamp_ns) * 1e-9);
   }
-  return gaps.empty() ? 0 : Quantile(gaps, 0.5);
+  return gaps.empty() ? 0 : MedianOf(gaps);
 }
 
 /// Columns x, y, z; a null where there was no pose for a while, so that no line is drawn across.
@@ -289,7 +262,7 @@ double MedianBlur(const std::vector<ReportFrame>& frames) {
   std::vector<double> blur;
   blur.reserve(frames.size());
   for (const ReportFrame& f : frames) blur.push_back(f.blur_median_px);
-  return blur.empty() ? kNaN : Quantile(blur, 0.5);
+  return blur.empty() ? kNaN : MedianOf(blur);
 }
 
 std::string Cards(const ReportInput& input) {
@@ -311,6 +284,7 @@ std::string Cards(const ReportInput& input) {
     html += Card("Rotation gain", gain, "",
                  std::isfinite(gain) ? "estimated over true total turn; 1 is right" : "the robot hardly turned");
   }
+  if (input.map && !input.map->empty()) html += internal::MapCards(*input.map);
   if (!input.frames.empty()) {
     html += Card("Motion blur", MedianBlur(input.frames), "px", "median over frames of the median blur extent");
   }
@@ -357,6 +331,14 @@ std::string Paths(const ReportInput& input) {
   }
   return head + "<div class=\"grid two\">\n" + Panel("top", "From above", {}, heading.empty() ? 320 : 405) + "<div>\n" +
          Panel("side", "From the side", {}, heading.empty() ? 320 : 138) + heading + "</div></div>\n";
+}
+
+/// The estimated path as the map shows it: where the pictures' alignment puts both.
+std::string Map(const ReportInput& input) {
+  if (!input.map || input.map->empty() || !input.scores) return {};
+  const FloorMotion X_WW = input.map->X_WV * input.map->X_WV_trajectory.Inverse();
+  return internal::MapSection(*input.map, internal::FloorPath(input.truth, {}),
+                              internal::FloorPath(input.scores->aligned_se3, X_WW));
 }
 
 std::string OverTime(const ReportInput& input) {
@@ -423,6 +405,7 @@ std::string GroupOf(const std::string& name) {
   if (starts("ate_")) return "Absolute error";
   if (starts("rpe_")) return "Relative error";
   if (starts("drift") || starts("end_drift")) return "Drift";
+  if (starts("map_")) return "Map";
   if (starts("scale") || starts("turn") || starts("rotation")) return "Scale and turning";
   if (starts("track_ms") || starts("peak_memory")) return "Time and memory: differ from run to run";
   return "Coverage";
@@ -470,10 +453,12 @@ std::string Provenance(const ReportInput& input) {
 std::string ReportHtml(const ReportInput& input, const ReportOptions& options) {
   internal::HtmlPage page;
   page.title = input.title;
-  page.body = Header(input) + Banners(input) + Cards(input) + Film(input) + Paths(input) + OverTime(input) +
-              Strip(input) + ScoreTable(input) + Provenance(input);
+  page.body = Header(input) + Banners(input) + Cards(input) + Film(input) + Paths(input) + Map(input) +
+              OverTime(input) + Strip(input) + ScoreTable(input) + Provenance(input);
   page.data = ChartData(input).dump();
-  page.style = internal::ReportStyle();
+  const bool has_map = input.map && !input.map->empty();
+  const std::string style = std::string(internal::ReportStyle()) + std::string(has_map ? internal::MapStyle() : "");
+  page.style = style;
   page.script = internal::ReportScript();
   return internal::PageHtml(page, options.chart_library);
 }

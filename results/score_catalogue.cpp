@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "results/floor_score.h"
+
 namespace gaitcam {
 
 /// A perfect estimate of a made-up walk is scored, so that names can never differ from those of real runs.
@@ -20,6 +22,14 @@ std::vector<Score> ScoreCatalogue(const ScoreOptions& options) {
     stamps.push_back(p.stamp_ns);
   }
   std::vector<Score> catalogue = ScoreEstimate(EstimateFromTrajectory(truth), truth, stamps, always).scores;
+  for (Score& score : catalogue) score.value = std::numeric_limits<double>::quiet_NaN();
+  return catalogue;
+}
+
+/// A map of nothing has all scores and no value.
+std::vector<Score> MapScoreCatalogue() {
+  const FloorTruth truth{cv::Mat(1, 1, CV_8UC1, cv::Scalar(0)), 1.0};
+  std::vector<Score> catalogue = CompareFloor({}, truth, {}).scores;
   for (Score& score : catalogue) score.value = std::numeric_limits<double>::quiet_NaN();
   return catalogue;
 }

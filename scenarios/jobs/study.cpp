@@ -112,8 +112,10 @@ const Score& KnownScore(const YamlNode& node, const std::string& name, const std
 
 void AddMetrics(const YamlNode& root, Study& study) {
   if (study.options.metrics.empty()) root.Child("metrics").Fail("expected at least one score");
-  const std::vector<Score> known = ScoreCatalogue(study.experiment.conditions.front().resolved.scenario.score);
+  std::vector<Score> known = ScoreCatalogue(study.experiment.conditions.front().resolved.scenario.score);
   for (const Score& score : known) study.table.score_names.push_back(score.name);
+  // Those of a map get a column when a run has them (CollectRuns).
+  for (const Score& score : MapScoreCatalogue()) known.push_back(score);
   for (size_t i = 0; i < study.options.metrics.size(); ++i) {
     const YamlNode here = root.Has("metrics") ? root.Child("metrics").Element(i) : root;
     study.table.metrics.push_back(KnownScore(here, study.options.metrics[i], known));

@@ -117,7 +117,9 @@ GatedMetric ResolveMetric(const YamlNode& node, const SuiteMetric& metric, const
     node.Fail("coverage_ratio always gates; its margin is `coverage_margin` under `gate`");
   GatedMetric gated{metric.name, "", Better::kNeither, metric.margin, metric.margin_pct};
   for (const SuiteEntry& entry : suite.entries) {
-    const std::vector<Score> catalogue = ScoreCatalogue(entry.resolved.scenario.score);
+    std::vector<Score> catalogue = ScoreCatalogue(entry.resolved.scenario.score);
+    // A system that maps nothing has none of these: then the metric cannot be judged, which never passes.
+    for (const Score& score : MapScoreCatalogue()) catalogue.push_back(score);
     std::vector<std::string> names;
     for (const Score& score : catalogue) names.push_back(score.name);
     const auto there = std::find(names.begin(), names.end(), metric.name);

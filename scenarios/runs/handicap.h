@@ -24,6 +24,7 @@ class HandicappedSystem : public System {
 
   FrameEstimate Track(const Observation& observation) override;
   std::vector<FrameEstimate> Finish() override;
+  std::optional<FloorPicture> Floor() const override { return system_->Floor(); }
   std::string Failure() const override { return system_->Failure(); }
 
  private:

@@ -8,6 +8,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/trajectory_file.h"
 #include "results/video.h"
+#include "scenarios/runs/mapped_floor.h"
 #include "scenarios/runs/output_folder.h"
 #include "scenarios/runs/progress.h"
 #include "scenarios/runs/run_log.h"
@@ -138,10 +139,13 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   progress.Finish();
 
   std::optional<Scores> scores;
+  std::optional<FloorComparison> map;
   ReportInput report;
   try {
     scores = ScoreEstimate(estimate, log.truth(), log.stamps(), scenario.score);
+    map = AddMapScores(estimate, resolved.place, *scores);
     report.scores = &*scores;
+    report.map = map ? &*map : nullptr;
   } catch (const TooLittleData& e) {
     report.no_scores_reason = e.what();
   }
@@ -165,6 +169,7 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   folder.WriteText("frames.csv", log.ToCsv(estimate));
   folder.WriteText("scenario.yaml", report.resolved_scenario);
   folder.WriteText("scores.json", ScoresFile(report, estimate, simulation, scenario.seed));
+  if (map) WriteMapPictures(*map, folder.path() / "map");
   WriteReport(folder.path() / "report.html", report);
   folder.Commit();
   return {options.out, StatusText(report.end), report.end_time_s, scores, report.no_scores_reason};

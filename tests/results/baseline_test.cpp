@@ -106,6 +106,20 @@ TEST_F(BaselineTest, EveryByteOfANumberCounts) {
   EXPECT_NE(BaselineToJson(a), BaselineToJson(b));
 }
 
+TEST(ScoreCatalogue, KnowsTheScoresOfAMap) {
+  for (const Score& score : MapScoreCatalogue()) {
+    EXPECT_TRUE(score.name.starts_with("map_")) << score.name;
+    EXPECT_TRUE(std::isnan(score.value)) << score.name;
+    if (score.name == "map_ncc") {
+      EXPECT_EQ(score.better, Better::kHigher);
+    }
+    if (score.name == "map_landmark_error_median_m") {
+      EXPECT_EQ(score.better, Better::kLower);
+    }
+  }
+  EXPECT_GE(MapScoreCatalogue().size(), 8u);
+}
+
 TEST(ScoreCatalogue, KnowsNamesDirectionsAndTheIntervalsAskedFor) {
   ScoreOptions options;
   options.rpe_seconds = 2;

@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// Planks with grain: something to look at.
-cv::Mat FloorPicture(int seed) {
+cv::Mat PlankPicture(int seed) {
   cv::Mat picture(240, 320, CV_8UC3), grain(24, 160, CV_8UC1);
   cv::RNG random(seed + 1);
   random.fill(grain, cv::RNG::NORMAL, 128, 30);
@@ -102,7 +102,7 @@ struct MadeUpRun {
     for (int k = 0; k < 8; ++k) {
       ReportTwin twin;
       twin.stamp_ns = truth[size_t(30 + 75 * k)].stamp_ns;
-      twin.sharp = FloorPicture(k);
+      twin.sharp = PlankPicture(k);
       cv::blur(twin.sharp, twin.blurred, {3 + 2 * k, 1 + k});
       twin.blur_median_px = 2 + k;
       twin.blur_max_px = 4 + 2 * k;
@@ -112,6 +112,43 @@ struct MadeUpRun {
         "scenario: quickstart\nrobot: khr1hv\ngait:\n  preset: normal\n  period_s: 0.35\ncamera:\n  exposure_ms: 20\n";
     input.facts = {
         {"seed", "1"}, {"gaitcam", "0.1.0"}, {"MuJoCo", "2.2.2"}, {"command", "gaitcam run scenarios/quickstart.yaml"}};
+  }
+};
+
+/// The same run by a system that mapped the floor along its way, a little off.
+struct MappingRun : MadeUpRun {
+  FloorComparison map;
+
+  MappingRun() {
+    FloorTruth floor;
+    floor.px_per_m = 50;
+    floor.corner_m = {-2.99, 4.99};
+    floor.grey.create(300, 300, CV_8UC1);
+    cv::RNG random(5);
+    random.fill(floor.grey, cv::RNG::NORMAL, 128, 60);
+    cv::GaussianBlur(floor.grey, floor.grey, {}, 2);
+    cv::normalize(floor.grey, floor.grey, 20, 230, cv::NORM_MINMAX);
+    const FloorPicture picture = MapAlongTheWay(floor);
+    map = CompareFloor(picture, floor, {});
+    input.map = &map;
+    scores.scores.insert(scores.scores.end(), map.scores.begin(), map.scores.end());
+  }
+
+  /// Its world is that of the truth, shifted by 4 cm.
+  FloorPicture MapAlongTheWay(const FloorTruth& floor) const {
+    FloorPicture picture;
+    picture.cell_m = 0.02;
+    picture.corner_m = floor.corner_m + Eigen::Vector2d(0.04, 0);
+    floor.grey.copyTo(picture.intensity);
+    picture.sightings = cv::Mat::zeros(picture.intensity.size(), CV_16UC1);
+    for (const StampedPose& p : truth) {
+      const Eigen::Vector2d at = (p.pose.translation.head<2>() - picture.corner_m) / picture.cell_m;
+      cv::Mat disk = cv::Mat::zeros(picture.sightings.size(), CV_16UC1);
+      cv::circle(disk, {int(at.x()), int(-at.y())}, 20, cv::Scalar(1), cv::FILLED);
+      picture.sightings += disk;
+    }
+    picture.intensity.setTo(0, picture.sightings == 0);
+    return picture;
   }
 };
 
@@ -135,8 +172,8 @@ void MakeFilm(const fs::path& path, ReportInput& input) {
   VideoWriter writer(path);
   for (int i = 0; i < 60; ++i) {
     VideoFrame frame;
-    frame.camera = FloorPicture(i / 8);
-    frame.bystander = FloorPicture(3);
+    frame.camera = PlankPicture(i / 8);
+    frame.bystander = PlankPicture(3);
     frame.time_s = i / 30.0;
     frame.exposure_ms = 20;
     frame.status = "tracking, 213 inliers";
@@ -162,6 +199,44 @@ TEST(Report, ABrowserDrawsEveryChartLoadsTheFilmAndDoesNotComplain) {
   const Browsed browsed = Browse(page, "--window-size=1280,1000");
   ExpectAllDrawn(browsed, "8");  // two paths, heading, two errors, blur, inliers, feet
   EXPECT_EQ(Attribute(browsed.dom, "data-film"), "962x390 2.0");
+}
+
+TEST(Report, AMapStandsBesideTheTrueFloorWithThePathsDrawnWhereTheyWent) {
+  if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
+  const TemporaryFolder folder;
+  const fs::path page = PageFolder(folder) / "map.html";
+  const MappingRun run;
+  WriteReport(page, run.input);
+  // The browser says where the start of the true path and the scale bar came to lie on the map's picture.
+  std::ofstream(page, std::ios::app)
+      << "<script>{const ground = document.querySelector('.maps .ground'), box = ground.getBoundingClientRect();"
+         "const line = ground.querySelector('polyline.true'), start = "
+         "line.points[0].matrixTransform(line.getScreenCTM());"
+         "const bar = ground.querySelector('.bar').getBoundingClientRect(), set = document.body.dataset;"
+         "set.startX = ((start.x - box.x) / box.width).toFixed(3); set.startY = ((start.y - box.y) / "
+         "box.height).toFixed(3);"
+         "set.bar = (bar.width / box.width).toFixed(3); set.shown = [...document.querySelectorAll('.maps img')]"
+         ".filter(i => i.naturalWidth > 0).length;}</script>";
+  const Browsed browsed = Browse(page, "--window-size=1280,1000");
+  ExpectAllDrawn(browsed, "8");
+  EXPECT_EQ(Attribute(browsed.dom, "data-shown"), "4");
+  const cv::Size size = run.map.estimate.size();
+  const Eigen::Vector2d start =
+      (run.truth.front().pose.translation.head<2>() - run.map.corner_m) / run.map.cell_m + Eigen::Vector2d(0.5, -0.5);
+  EXPECT_NEAR(std::stod(Attribute(browsed.dom, "data-start-x")), start.x() / size.width, 0.003);
+  EXPECT_NEAR(std::stod(Attribute(browsed.dom, "data-start-y")), -start.y() / size.height, 0.003);
+  EXPECT_THAT(browsed.dom, HasSubstr("<span>1 m</span>"));
+  EXPECT_NEAR(std::stod(Attribute(browsed.dom, "data-bar")), 1 / (size.width * run.map.cell_m), 0.003);
+}
+
+TEST(Report, WithoutAMapThereIsNoTraceOfOne) {
+  const MadeUpRun without;
+  const MappingRun with;
+  const std::string none = ReportHtml(without.input), there = ReportHtml(with.input);
+  for (const char* text : {"<code>map_ncc</code>", "Map, correlation", "on-map", "mapped", "class=\"maps\""}) {
+    EXPECT_THAT(there, HasSubstr(text));
+    EXPECT_THAT(none, Not(HasSubstr(text)));
+  }
 }
 
 TEST(Report, ALongStraightPathIsDrawnWide) {
