@@ -2,9 +2,12 @@
 
 #include "algorithms/planes/plane_alignment.h"
 
+#include <ceres/jet.h>
+#include <ceres/rotation.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -157,6 +160,51 @@ TEST(WarpJacobian, AgreesWithFiniteDifferences) {
   }
 }
 
+/// Eqs. 6.5 to 6.16 once more, written for numbers that carry their derivatives.
+using Jet = ceres::Jet<double, 9>;
+std::array<Jet, 2> WarpByEquations(const PlaneState& state, const Eigen::Matrix3d& M, const Eigen::Vector2d& p_R) {
+  Jet theta[9];
+  for (int k = 0; k < 9; ++k) theta[k] = Jet(0, k);
+  const Eigen::Vector3d z = M.inverse() * state.normal_d, ray = kCamera.Unproject(p_R);
+  Jet depth_inverse(0);  // n_d(z exp(y)) . ray
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) depth_inverse += ray[i] * M(i, j) * z[j] * exp(theta[6 + j]);
+  }
+  const Jet point[3] = {Jet(ray[0]) / depth_inverse, Jet(ray[1]) / depth_inverse, Jet(ray[2]) / depth_inverse};
+  Jet turned[3];
+  ceres::AngleAxisRotatePoint(theta + 3, point, turned);  // beside it, exp moves by theta: to first order, at zero
+  const Eigen::Matrix3d R = state.X_CR.R();
+  Jet seen[3];
+  for (int i = 0; i < 3; ++i) {
+    seen[i] = Jet(state.X_CR.translation[i]);
+    for (int j = 0; j < 3; ++j) seen[i] += R(i, j) * (turned[j] + theta[j]);
+  }
+  return {kCamera.fx * seen[0] / seen[2] + kCamera.cx, kCamera.fy * seen[1] / seen[2] + kCamera.cy};
+}
+
+TEST(WarpJacobian, AgreesWithAutomaticDifferentiation) {
+  RandomStream random(3, "states");
+  const std::vector<Eigen::Vector3d> rays{kCamera.Unproject({0, 239}), kCamera.Unproject({319, 239}),
+                                          kCamera.Unproject({160, 120})};
+  const Eigen::Matrix3d M = internal::NormalFromInverseDepths(rays);
+  for (int trial = 0; trial < 50; ++trial) {
+    PlaneState state = TrueState();
+    state.X_CR = Motion(random.Normal() * 0.05, random.Normal() * 0.05, random.Normal() * 0.05, random.Normal() * 5,
+                        random.Normal() * 5, random.Normal() * 5);
+    state.normal_d += 0.1 * Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal());
+    const Eigen::Vector2d p(random.Uniform(0, 319), random.Uniform(120, 239));
+    const std::array<Jet, 2> warped = WarpByEquations(state, M, p);
+    const auto J = internal::WarpJacobian(kCamera, 1, state, M, p);
+    const std::optional<Eigen::Vector2d> pixel = WarpPixel(kCamera, state, p);
+    ASSERT_TRUE(pixel);
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_NEAR(warped[size_t(i)].a, (*pixel)[i], 1e-9);
+      // Both are exact but for rounding.
+      EXPECT_LT((warped[size_t(i)].v.transpose() - J.row(i)).norm(), 1e-9 * J.norm());
+    }
+  }
+}
+
 struct Trial {
   PlaneState truth;
   PlaneAlignment found;
@@ -198,6 +246,26 @@ TEST(PlaneAlignment, ConvergesFromTwentyPixelsAway) {
                               seed);
     EXPECT_TRUE(trial.found.converged);
     EXPECT_GT(trial.initial_px, 10);
+    EXPECT_LT(trial.error_px, 0.1) << "seed " << seed << " from " << trial.initial_px << " px";
+  }
+}
+
+TEST(PlaneAlignment, EveryMotionWithinEightPixelsIsFound) {
+  const cv::Mat mask = FloorMask(TrueState());
+  for (uint64_t seed = 1; seed <= 16; ++seed) {
+    RandomStream random(seed, "motion");
+    Vector6d motion;
+    for (int k = 0; k < 6; ++k) motion[k] = random.Normal() * (k < 3 ? 0.004 : 0.01);
+    const double wanted_px = random.Uniform(1, 8);
+    for (int i = 0; i < 4; ++i) {  // displacement is nearly linear in the motion
+      PlaneState moved = TrueState();
+      moved.X_CR = ExpSe3(motion);
+      motion *= wanted_px / MeanWarpError(moved, TrueState(), mask);
+    }
+    const Trial trial = Align(ExpSe3(motion), seed);
+    EXPECT_TRUE(trial.found.converged);
+    EXPECT_NEAR(trial.initial_px, wanted_px, 0.1);
+    // The finest waves are 8 px long where the picture's pixels are compared, far away less: interpolation errs there.
     EXPECT_LT(trial.error_px, 0.1) << "seed " << seed << " from " << trial.initial_px << " px";
   }
 }
