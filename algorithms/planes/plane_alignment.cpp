@@ -270,9 +270,18 @@ PlaneState Updated(const PlaneState& state, const Eigen::Matrix3d& M, const Vect
 void Describe(const std::vector<Residual>& residuals, size_t points, double sigma, PlaneAlignment& result) {
   result.residual_grey = sigma;
   result.inside_ratio = points == 0 ? 0 : double(residuals.size()) / double(points);
-  const auto inliers = std::count_if(residuals.begin(), residuals.end(),
-                                     [&](const Residual& r) { return std::abs(r.value) < 3 * sigma; });
-  result.inlier_ratio = residuals.empty() ? 0 : double(inliers) / double(residuals.size());
+  result.inliers = int(std::count_if(residuals.begin(), residuals.end(),
+                                     [&](const Residual& r) { return std::abs(r.value) < 3 * sigma; }));
+  Eigen::Array2d sum = Eigen::Array2d::Zero();
+  Eigen::Array3d products = Eigen::Array3d::Zero();
+  for (const Residual& r : residuals) {
+    const double a = r.reference, b = r.value + result.state.gain * r.reference + result.state.offset;
+    sum += Eigen::Array2d(a, b);
+    products += Eigen::Array3d(a * a, b * b, a * b);
+  }
+  const double n = double(residuals.size());
+  const double aa = products[0] - sum[0] * sum[0] / n, bb = products[1] - sum[1] * sum[1] / n;
+  result.correlation = aa > 0 && bb > 0 ? (products[2] - sum[0] * sum[1] / n) / std::sqrt(aa * bb) : 0;
 }
 
 void DescribeCovariance(const Equations& e, const PlaneState& state, const Eigen::Matrix3d& M, PlaneAlignment& result) {

@@ -99,7 +99,8 @@ struct PlaneAlignment {
   int iterations = 0;        ///< Over all levels.
   double residual_grey = 0;  ///< Robust standard deviation at the finest level.
   double inside_ratio = 0;   ///< Part of the points that fell inside the current image.
-  double inlier_ratio = 0;   ///< Part of those within three standard deviations.
+  int inliers = 0;           ///< Those of them within three standard deviations.
+  double correlation = 0;    ///< Of what both images show at those points, -1..1.
   Eigen::Matrix<double, 6, 6> motion_covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< Of x in X_CR exp(x).
   Eigen::Matrix3d normal_covariance = Eigen::Matrix3d::Zero();                          ///< Of n_d.
 };

@@ -6,6 +6,7 @@
 #include "algorithms/core/fields.h"
 #include "algorithms/odometry/frame_to_frame_vo.h"
 #include "algorithms/odometry/mobif_vo_plus.h"
+#include "algorithms/slam/floor_slam.h"
 #include "algorithms/slam/settings.h"
 
 namespace gaitcam {
@@ -49,6 +50,18 @@ class MobifVoPlusSystem : public System {
   MobifVoPlus odometry_;
 };
 
+class FloorSlamSystem : public System {
+ public:
+  explicit FloorSlamSystem(const SystemSetup& setup)
+      : slam_(setup.calibration, OptionsFrom<FloorSlamOptions>(setup.settings, "floor_slam"), setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
+  std::vector<FrameEstimate> Finish() override { return slam_.Finish(); }
+  std::optional<FloorPicture> Floor() const override { return slam_.Floor(); }
+
+ private:
+  FloorSlam slam_;
+};
+
 /// Every system there is: a new one is one more line here.
 std::vector<Entry> AllSystems() {
   std::vector<Entry> entries = {
@@ -57,6 +70,9 @@ std::vector<Entry> AllSystems() {
       FrameToFrame("orb", 4, "the odometry of mobif_vo with ORB features"),
       FrameToFrame("sift", 4, "the odometry of mobif_vo with SIFT features: the plain baseline"),
       FrameToFrame("surf", 4, "the odometry of mobif_vo with SURF features"),
+      {{"floor_slam", "SLAM from the floor plane's homographies, with an intensity map of it (thesis, chapter 6)",
+        SettingsOf(FloorSlamOptions())},
+       [](const SystemSetup& setup) { return std::make_unique<FloorSlamSystem>(setup); }},
       {{"mobif_vo_plus",
         "monocular odometry for a shaking camera: blur-robust features, inverse depths, bundle adjustment",
         SettingsOf(MobifVoPlusOptions())},

@@ -1,0 +1,67 @@
+#include "algorithms/estimation/planar_graph.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace {
+
+/// What is left of a pair's motion after the measured one, whitened.
+struct Difference {
+  PlanarPose motion;
+  Eigen::Matrix3d root_information;
+
+  template <class T>
+  bool operator()(const T* from, const T* to, T* residual) const {
+    using std::cos;
+    using std::sin;
+    const T x = to[0] - from[0], y = to[1] - from[1];
+    // The difference of the places, seen from `from`, then turned into the frame of `to` as it was measured.
+    const T dx = cos(from[2]) * x + sin(from[2]) * y - motion.position.x();
+    const T dy = -sin(from[2]) * x + cos(from[2]) * y - motion.position.y();
+    const double c = cos(motion.yaw), s = sin(motion.yaw);
+    const T turn = to[2] - from[2] - motion.yaw;
+    const Eigen::Matrix<T, 3, 1> off(c * dx + s * dy, -s * dx + c * dy, turn);
+    Eigen::Map<Eigen::Matrix<T, 3, 1>> whitened(residual);
+    whitened = root_information.cast<T>() * off;
+    return true;
+  }
+};
+
+}  // namespace
+
+std::vector<PlanarPose> SolvePlanarGraph(const std::vector<PlanarPose>& start, const std::vector<PlanarEdge>& edges) {
+  std::vector<std::array<double, 3>> poses;
+  for (const PlanarPose& pose : start) poses.push_back({pose.position.x(), pose.position.y(), pose.yaw});
+  ceres::Problem problem;
+  for (const PlanarEdge& edge : edges) {
+    GAITCAM_ASSERT(edge.from >= 0 && edge.to >= 0 && size_t(std::max(edge.from, edge.to)) < start.size());
+    const Eigen::Matrix3d root = Eigen::Matrix3d(edge.covariance.inverse()).llt().matrixU();
+    Difference difference{edge.motion, root};
+    // Whole turns do not count between places met twice.
+    const double turn = start[size_t(edge.to)].yaw - start[size_t(edge.from)].yaw;
+    difference.motion.yaw = turn + WrapAngle(edge.motion.yaw - turn);
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Difference, 3, 3, 3>(new Difference(difference)),
+                             edge.may_be_wrong ? new ceres::CauchyLoss(3) : nullptr, poses[size_t(edge.from)].data(),
+                             poses[size_t(edge.to)].data());
+  }
+  std::vector<PlanarPose> solved = start;
+  if (edges.empty()) return solved;
+  if (problem.HasParameterBlock(poses[0].data())) problem.SetParameterBlockConstant(poses[0].data());
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.num_threads = 1;  // the same bits, whatever the machine
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (!summary.IsSolutionUsable()) return solved;
+  for (size_t i = 0; i < poses.size(); ++i) solved[i] = {{poses[i][0], poses[i][1]}, poses[i][2]};
+  return solved;
+}
+
+}  // namespace gaitcam

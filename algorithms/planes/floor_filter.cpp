@@ -1,0 +1,315 @@
+#include "algorithms/planes/floor_filter.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/estimation/resampling.h"
+
+namespace gaitcam {
+namespace {
+
+using Vector5 = Eigen::Matrix<double, 5, 1>;
+using Matrix5 = Eigen::Matrix<double, 5, 5>;
+
+constexpr double kTail = 3;  // c of rho: beyond so many standard deviations a point hardly counts
+double Rho(double e) { return kTail * kTail * std::log1p(e * e / (kTail * kTail)); }
+double RhoWeight(double e) { return 1 / (1 + e * e / (kTail * kTail)); }
+/// A worse mean over the points is no match.
+const double kWorstRho = Rho(1.5);
+
+/// A keyframe's picture compared with earlier ones from one place.
+struct Comparison {
+  Matrix5 H = Matrix5::Zero();  ///< Of (x, y, yaw in the pose's frame, gain, offset).
+  Vector5 g = Vector5::Zero();  ///< Downhill.
+  double mean_rho = 0;
+  int points = 0;
+};
+
+/// Mean of what the earlier pictures show at a place.
+template <class KnownFloor>
+std::optional<FloorPatch::Sample> LookUp(const KnownFloor& known, const Eigen::Vector2d& p) {
+  FloorPatch::Sample sum;
+  int count = 0;
+  for (const auto& [patch, inverse, R] : known) {
+    const std::optional<FloorPatch::Sample> sample = patch->At(inverse * p);
+    if (!sample) continue;
+    sum.intensity += sample->intensity;
+    sum.slope += R * sample->slope;
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return FloorPatch::Sample{sum.intensity / float(count), sum.slope / float(count)};
+}
+
+/// An earlier picture, ready to be looked up in from the world.
+struct Lookup {
+  const FloorPatch* patch;
+  PlanarPose inverse;
+  Eigen::Matrix2f R;  ///< Of its slopes into the world.
+};
+
+Comparison Compare(const std::vector<Lookup>& known, const FloorPatch& patch, const PlanarPose& pose, double gain,
+                   double offset, double noise_grey) {
+  Comparison comparison;
+  const Eigen::Matrix2d R = Eigen::Rotation2Dd(pose.yaw).toRotationMatrix();
+  for (const FloorPatch::Point& point : patch.match) {
+    const std::optional<FloorPatch::Sample> there = LookUp(known, pose.position + R * point.p);
+    if (!there) continue;
+    const double e = (point.intensity - (gain * there->intensity + offset)) / noise_grey;
+    const Eigen::RowVector2d slope = gain * there->slope.cast<double>().transpose() * R;
+    Vector5 J;
+    J << slope.x(), slope.y(), slope.y() * point.p.x() - slope.x() * point.p.y(), there->intensity, 1;
+    J /= noise_grey;
+    const double weight = RhoWeight(e);
+    comparison.H.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
+    comparison.g += weight * e * J;
+    comparison.mean_rho += Rho(e);
+    ++comparison.points;
+  }
+  comparison.H = Matrix5(comparison.H.selfadjointView<Eigen::Lower>());
+  comparison.mean_rho /= std::max(1, comparison.points);
+  return comparison;
+}
+
+/// What the tracker says of a motion, and what no tracker is better than.
+Eigen::Matrix3d MotionCovariance(const FloorFilterOptions& options, double moved_m, const Eigen::Matrix3d& tracked) {
+  const double least_m = options.drift_ratio * moved_m + 1e-5;
+  const double least_rad = options.drift_deg_per_m * std::numbers::pi / 180 * moved_m + 1e-5;
+  Eigen::Matrix3d Q = std::pow(options.inflation, 2) * tracked;
+  Q.diagonal() += Eigen::Vector3d(least_m, least_m, least_rad).cwiseAbs2();
+  return Q;
+}
+
+}  // namespace
+
+FloorFilter::FloorFilter(const FloorFilterOptions& options, uint64_t seed)
+    : options_(options), random_(seed, "floor_filter") {
+  CheckFields(options, "floor_filter.");
+  particles_.assign(size_t(options.particles), {});
+}
+
+FloorFilter::Node::~Node() {
+  while (before && before.use_count() == 1) before = std::shared_ptr<const Node>(before)->before;
+}
+
+/// The nearest of the pictures that the particle took long enough ago and that lie about where it looks now.
+std::vector<FloorFilter::Known> FloorFilter::FindKnown(const Particle& particle, const PlanarPose& expected,
+                                                       const FloorPatch& patch) const {
+  const Eigen::Vector2d here = expected * patch.middle;
+  const double reach_m = 0.5 * patch.cell_m * std::max(patch.intensity.cols, patch.intensity.rows);
+  std::vector<std::pair<double, Known>> near;
+  for (const Node* node = particle.path.get(); node != nullptr; node = node->before.get()) {
+    const FloorPatch& earlier = patches_[size_t(node->step)];
+    if (way_m_.back() - way_m_[size_t(node->step)] < options_.loop_m || earlier.empty()) continue;
+    const double distance_m = (node->pose * earlier.middle - here).norm();
+    if (distance_m < reach_m) near.push_back({distance_m, {&earlier, node->pose, node->step}});
+  }
+  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Known> known;
+  for (size_t i = 0; i < std::min(near.size(), size_t(options_.pictures)); ++i) known.push_back(near[i].second);
+  return known;
+}
+
+/// Gauss-Newton from the expected pose to the maximum of prior times likelihood.
+FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const PlanarPose& expected,
+                                           const Eigen::Matrix3d& Q, const FloorPatch& patch) const {
+  constexpr int kIterations = 8;
+  constexpr double kGainSigma = 0.2, kOffsetSigma_grey = 20, kStep_m = 2e-4;
+  Proposal proposal;
+  proposal.pose = expected;
+  proposal.covariance = Q;
+  const std::vector<Known> pictures = FindKnown(particle, expected, patch);
+  if (pictures.empty()) return proposal;
+  proposal.earlier = pictures.front().step;
+  std::vector<Lookup> known;
+  for (const Known& k : pictures) {
+    known.push_back({k.patch, k.pose.Inverse(), Eigen::Rotation2Df(float(k.pose.yaw)).toRotationMatrix()});
+  }
+  Matrix5 prior = Matrix5::Zero();
+  prior.topLeftCorner<3, 3>() = Q.inverse();
+  prior(3, 3) = std::pow(kGainSigma, -2);
+  prior(4, 4) = std::pow(kOffsetSigma_grey, -2);
+  Vector5 state(0, 0, 0, 1, 0);
+  const Vector5 start = state;
+  Comparison comparison;
+  Matrix5 H;
+  const auto pose = [&] { return expected * PlanarPose{state.head<2>(), state[2]}; };
+  for (int i = 0; i < kIterations; ++i) {
+    comparison = Compare(known, patch, pose(), state[3], state[4], options_.noise_grey);
+    if (comparison.points < options_.min_match_points) return proposal;
+    H = options_.independent * comparison.H + prior;
+    const Vector5 step = H.ldlt().solve(options_.independent * comparison.g - prior * (state - start));
+    state += step;
+    if (step.head<2>().norm() < kStep_m && std::abs(step[2]) < kStep_m) break;
+  }
+  proposal.points = comparison.points;
+  proposal.log_likelihood = -0.5 * std::min(comparison.mean_rho, kWorstRho);
+  proposal.matched = comparison.mean_rho < kWorstRho;
+  if (!proposal.matched) return proposal;
+  proposal.pose = pose();
+  proposal.covariance = H.inverse().topLeftCorner<3, 3>();
+  Matrix5 alone = options_.independent * comparison.H;
+  alone.diagonal() += Vector5(1, 1, 1, prior(3, 3), prior(4, 4));  // as good as nothing on the pose
+  proposal.likelihood = alone.inverse().topLeftCorner<3, 3>();
+  const Eigen::Vector3d moved = state.head<3>();
+  proposal.log_prior = -0.5 * moved.dot(prior.topLeftCorner<3, 3>() * moved) +
+                       0.5 * std::log(proposal.covariance.determinant() / Q.determinant());
+  return proposal;
+}
+
+/// Particles may know more or less of what is seen: their likelihoods per point are compared as if all knew as much as
+/// the middle one. One that knows too little is taken for no better than the worst.
+void FloorFilter::Reweigh(const std::vector<Proposal>& proposals) {
+  std::vector<int> points;
+  for (const Proposal& proposal : proposals) {
+    if (proposal.points > 0) points.push_back(proposal.points);
+  }
+  if (points.empty()) return;
+  std::nth_element(points.begin(), points.begin() + long(points.size() / 2), points.end());
+  const double counted = options_.independent * points[points.size() / 2];
+  const auto mass = [&](const Proposal& p) { return counted * p.log_likelihood + p.log_prior; };
+  double worst = std::numeric_limits<double>::max();
+  for (const Proposal& proposal : proposals) {
+    if (proposal.points > 0) worst = std::min(worst, mass(proposal));
+  }
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    particles_[i].log_weight += proposals[i].points > 0 ? mass(proposals[i]) : worst;
+  }
+}
+
+void FloorFilter::Move(Particle& particle, const Proposal& proposal) {
+  const Eigen::Matrix3d L = proposal.covariance.llt().matrixL();
+  const double nx = random_.Normal(), ny = random_.Normal(), nyaw = random_.Normal();
+  const Eigen::Vector3d drawn = L * Eigen::Vector3d(nx, ny, nyaw);
+  auto node = std::make_shared<Node>();
+  node->before = particle.path;
+  node->step = int(patches_.size());
+  node->pose = proposal.pose * PlanarPose{drawn.head<2>(), drawn[2]};
+  if (proposal.matched) {
+    const Node* earlier = particle.path.get();
+    while (earlier->step != proposal.earlier) earlier = earlier->before.get();
+    node->loop = FloorLoop{node->step, earlier->step, earlier->pose.Inverse() * proposal.pose, proposal.likelihood};
+  }
+  particle.path = std::move(node);
+}
+
+void FloorFilter::Step(const PlanarPose& motion, const Eigen::Matrix3d& covariance, FloorPatch patch) {
+  const double moved_m = motion.position.norm();
+  way_m_.push_back((way_m_.empty() ? 0 : way_m_.back()) + moved_m);
+  const Eigen::Matrix3d Q = MotionCovariance(options_, moved_m, covariance);
+  std::vector<Proposal> proposals;
+  corrected_ = 0;
+  for (Particle& particle : particles_) {
+    const PlanarPose expected = (particle.path ? particle.path->pose : PlanarPose()) * motion;
+    proposals.push_back(Propose(particle, expected, Q, patch));
+    corrected_ += proposals.back().matched;
+    Move(particle, proposals.back());
+  }
+  const int step = int(patches_.size());
+  motions_.push_back({step - 1, step, motion, Q});
+  patches_.push_back(std::move(patch));
+  Reweigh(proposals);
+  Resample();
+}
+
+void FloorFilter::Resample() {
+  std::vector<double> logs;
+  for (const Particle& particle : particles_) logs.push_back(particle.log_weight);
+  const std::vector<double> weights = NormalisedWeights(logs);
+  effective_ = EffectiveSampleSize(weights);
+  if (effective_ >= options_.resample_ratio * double(particles_.size())) return;
+  std::vector<Particle> next;
+  for (const int i : LowVarianceResample(weights, int(particles_.size()), random_)) {
+    next.push_back(particles_[size_t(i)]);
+    next.back().log_weight = 0;
+  }
+  particles_ = std::move(next);
+}
+
+const FloorFilter::Particle& FloorFilter::Best() const {
+  return *std::max_element(particles_.begin(), particles_.end(),
+                           [](const Particle& a, const Particle& b) { return a.log_weight < b.log_weight; });
+}
+
+std::vector<PlanarPose> FloorFilter::BestPath() const {
+  std::vector<PlanarPose> path;
+  for (const Node* node = Best().path.get(); node != nullptr; node = node->before.get()) path.push_back(node->pose);
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
+PlanarPose FloorFilter::Mean() const {
+  std::vector<double> logs;
+  for (const Particle& particle : particles_) logs.push_back(particle.log_weight);
+  const std::vector<double> weights = NormalisedWeights(logs);
+  PlanarPose mean;
+  Eigen::Vector2d heading = Eigen::Vector2d::Zero();
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    const PlanarPose pose = particles_[i].path ? particles_[i].path->pose : PlanarPose();
+    mean.position += weights[i] * pose.position;
+    heading += weights[i] * Eigen::Vector2d(std::cos(pose.yaw), std::sin(pose.yaw));
+  }
+  mean.yaw = std::atan2(heading.y(), heading.x());
+  return mean;
+}
+
+Eigen::Matrix3d FloorFilter::Covariance() const {
+  std::vector<double> logs;
+  for (const Particle& particle : particles_) logs.push_back(particle.log_weight);
+  const std::vector<double> weights = NormalisedWeights(logs);
+  const PlanarPose mean = Mean();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    const PlanarPose pose = particles_[i].path ? particles_[i].path->pose : PlanarPose();
+    Eigen::Vector3d off;
+    off << pose.position - mean.position, WrapAngle(pose.yaw - mean.yaw);
+    covariance += weights[i] * off * off.transpose();
+  }
+  return covariance;
+}
+
+std::vector<FloorLoop> FloorFilter::BestLoops() const {
+  std::vector<FloorLoop> loops;
+  for (const Node* node = Best().path.get(); node != nullptr; node = node->before.get()) {
+    if (node->loop) loops.push_back(*node->loop);
+  }
+  std::reverse(loops.begin(), loops.end());
+  return loops;
+}
+
+std::vector<PlanarPose> FloorFilter::SmoothPath() const {
+  const std::vector<PlanarPose> start = BestPath();
+  if (start.size() < 2) return start;
+  std::vector<PlanarEdge> edges(motions_.begin() + 1, motions_.end());
+  for (const FloorLoop& loop : BestLoops()) {
+    edges.push_back({loop.earlier, loop.keyframe, loop.motion, loop.covariance, true});
+  }
+  return SolvePlanarGraph(start, edges);
+}
+
+FloorPicture FloorFilter::Map(const std::vector<PlanarPose>& path) const {
+  return DrawFloor(patches_, path, options_.cell_m);
+}
+
+double FloorFilter::map_bytes() const {
+  double bytes = 0;
+  for (const FloorPatch& patch : patches_) {
+    bytes += double(patch.intensity.total() + patch.match.capacity() * sizeof(FloorPatch::Point) + sizeof(FloorPatch));
+  }
+  std::set<const Node*> nodes;
+  for (const Particle& particle : particles_) {
+    for (const Node* node = particle.path.get(); node != nullptr; node = node->before.get()) {
+      if (!nodes.insert(node).second) break;
+    }
+  }
+  return bytes + double(nodes.size() * (sizeof(Node) + 2 * sizeof(void*)));
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,47 @@
+/// What one keyframe shows of the floor, rectified: a small picture in the frame on the floor below the camera.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "algorithms/core/camera.h"
+#include "algorithms/core/floor_picture.h"
+#include "algorithms/core/planar_pose.h"
+#include "algorithms/planes/image_pyramid.h"
+
+namespace gaitcam {
+
+struct FloorPatch {
+  struct Point {
+    Eigen::Vector2d p;  ///< m
+    float intensity = 0;
+  };
+  struct Sample {
+    float intensity = 0;
+    Eigen::Vector2f slope{0, 0};  ///< Grey levels per metre along x and y.
+  };
+
+  cv::Mat intensity;  ///< CV_8UC1, column i at x = x0 + i cell, row j at y = y0 + j cell; 0: not seen.
+  double cell_m = 0, x0 = 0, y0 = 0;
+  std::vector<Point> match;      ///< Of large gradient, well spread.
+  Eigen::Vector2d middle{0, 0};  ///< Of what is seen.
+
+  bool empty() const { return match.empty(); }
+  /// Bilinear; nothing unless all four neighbours were seen.
+  std::optional<Sample> At(const Eigen::Vector2d& p) const;
+
+  /// Pixels are averaged to cells (by the pyramid), so that near floor is not undersampled.
+  /// @param mask CV_8UC1, not zero where the floor is. @param X_WC of it, height and tilt count. @param range_m floor
+  /// farther from the camera is left out. @param match_points at most.
+  static FloorPatch Of(const ImagePyramid& image, const cv::Mat& mask, const CameraModel& camera, const Pose& X_WC,
+                       double cell_m, double range_m, int match_points);
+};
+
+/// The bird's-eye picture of a floor (thesis 6.5.2: map and mask): the mean of what all patches show of each cell.
+/// @param poses of the frames below the camera, one per patch. @return empty if there is nothing to see.
+FloorPicture DrawFloor(const std::vector<FloorPatch>& patches, const std::vector<PlanarPose>& poses, double cell_m);
+
+}  // namespace gaitcam

@@ -1,0 +1,80 @@
+#include "algorithms/slam/floor_slam.h"
+
+#include <algorithm>
+
+namespace gaitcam {
+namespace {
+
+FloorFilterOptions FilterOf(const FloorSlamOptions& options) {
+  FloorFilterOptions filter = options.filter;
+  if (options.use_map) return filter;
+  filter.particles = 1;
+  filter.inflation = filter.drift_ratio = filter.drift_deg_per_m = 0;
+  filter.loop_m = 1e6;  // further than anyone walks
+  return filter;
+}
+
+}  // namespace
+
+FloorSlam::FloorSlam(const Calibration& calibration, const FloorSlamOptions& options, uint64_t seed)
+    : options_(options), tracker_(calibration, options.tracker), filter_(FilterOf(options), seed) {}
+
+void FloorSlam::AddKeyframe(const FloorKeyframe& keyframe) {
+  const PlanarPose here = BelowCamera(keyframe.X_WK);
+  const PlanarPose motion = (keyframes_.empty() ? PlanarPose() : keyframes_.back()).Inverse() * here;
+  const double range_m = options_.filter.range_heights * keyframe.X_WK.translation.z();
+  filter_.Step(motion, keyframe.covariance,
+               FloorPatch::Of(keyframe.image, keyframe.floor, tracker_.camera(), keyframe.X_WK, options_.filter.cell_m,
+                              range_m, options_.filter.match_points));
+  keyframes_.push_back(here);
+  keyframe_ns_.push_back(keyframe.stamp_ns);
+}
+
+FrameEstimate FloorSlam::Track(const Observation& observation) {
+  const FloorTrack track = tracker_.Track(observation);
+  Record record;
+  record.X_tracked = track.X_WC;
+  record.keyframe = int(keyframes_.size());
+  if (track.retired) AddKeyframe(*track.retired);
+  record.estimate.stamp_ns = observation.stamp_ns;
+  record.estimate.features = track.points;
+  record.estimate.inliers = track.inliers;
+  record.estimate.restarted = track.restarted;
+  if (track.tracked) {
+    const PlanarPose correction = keyframes_.empty() ? PlanarPose() : filter_.Mean() * keyframes_.back().Inverse();
+    record.estimate.pose = correction.ToPose() * track.X_WC;
+    record.estimate.status = TrackingStatus::kTracking;
+    started_ = true;
+  } else {
+    record.estimate.status = started_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
+  }
+  records_.push_back(record);
+  return record.estimate;
+}
+
+std::vector<FrameEstimate> FloorSlam::Finish() {
+  if (const std::optional<FloorKeyframe> last = tracker_.Finish()) AddKeyframe(*last);
+  const std::vector<PlanarPose> path = filter_.SmoothPath();
+  std::vector<PlanarPose> corrections;
+  for (size_t k = 0; k < path.size(); ++k) corrections.push_back(path[k] * keyframes_[k].Inverse());
+  std::vector<FrameEstimate> estimates;
+  for (const Record& record : records_) {
+    FrameEstimate estimate = record.estimate;
+    if (estimate.pose && !corrections.empty()) {
+      const size_t k = std::min(size_t(record.keyframe), corrections.size() - 1);
+      Pose correction = corrections[k].ToPose();
+      if (k + 1 < corrections.size()) {
+        const double s = double(estimate.stamp_ns - keyframe_ns_[k]) / double(keyframe_ns_[k + 1] - keyframe_ns_[k]);
+        // Between two keyframes the correction of each point of the way goes over from one to the other.
+        const Pose a = correction * record.X_tracked, b = corrections[k + 1].ToPose() * record.X_tracked;
+        estimate.pose = Interpolate(a, b, s);
+      } else {
+        estimate.pose = correction * record.X_tracked;
+      }
+    }
+    estimates.push_back(estimate);
+  }
+  return estimates;
+}
+
+}  // namespace gaitcam

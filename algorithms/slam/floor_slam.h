@@ -1,0 +1,62 @@
+/// Visual SLAM with one camera over a flat floor, from the homographies of the floor plane, with an intensity map of it
+/// (thesis, chapter 6): a tracker aligns each frame with a keyframe, and a Rao-Blackwellised particle filter maps the
+/// keyframes and corrects the way where the camera comes back over floor that it knows.
+
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/estimate.h"
+#include "algorithms/core/observation.h"
+#include "algorithms/planes/floor_filter.h"
+#include "algorithms/planes/floor_tracker.h"
+
+namespace gaitcam {
+
+struct FloorSlamOptions {
+  using DescribedTag = void;
+  FloorTrackerOptions tracker;
+  FloorFilterOptions filter;
+  bool use_map = true;  ///< False: tracking alone; the map is drawn but corrects nothing.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, FloorSlamOptions& o) {
+  visit("tracker", o.tracker, Nested(), "frame by frame");
+  visit("filter", o.filter, Nested(), "map and way");
+  visit("use_map", o.use_map, Nested(), "false: tracking alone, the map corrects nothing");
+}
+
+class FloorSlam {
+ public:
+  /// @throws BadOption; BadInput if the calibration does not say how the camera stands.
+  FloorSlam(const Calibration& calibration, const FloorSlamOptions& options, uint64_t seed);
+
+  /// World W: z = 0 is the floor, z up, the origin below the first camera, x along its view; metres.
+  FrameEstimate Track(const Observation& observation);
+  /// Every frame on the filter's smoothed way: corrections are spread over the keyframes that led to them.
+  std::vector<FrameEstimate> Finish();
+  FloorPicture Floor() const { return filter_.Map(filter_.SmoothPath()); }
+
+  const FloorFilter& filter() const { return filter_; }
+
+ private:
+  struct Record {
+    FrameEstimate estimate;
+    Pose X_tracked;    ///< The tracker's.
+    int keyframe = 0;  ///< Which one it was tracked by.
+  };
+  void AddKeyframe(const FloorKeyframe& keyframe);
+
+  FloorSlamOptions options_;
+  FloorTracker tracker_;
+  FloorFilter filter_;
+  std::vector<Record> records_;
+  bool started_ = false;
+  std::vector<PlanarPose> keyframes_;  ///< The tracker's.
+  std::vector<int64_t> keyframe_ns_;
+};
+
+}  // namespace gaitcam
