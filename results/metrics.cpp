@@ -9,6 +9,7 @@
 #include <string>
 
 #include "algorithms/core/errors.h"
+#include "results/statistics.h"
 
 namespace gaitcam {
 namespace {
@@ -134,19 +135,10 @@ double MedianSlope(const std::vector<double>& x, const std::vector<double>& y) {
       if (x[j] > x[i]) slopes.push_back((y[j] - y[i]) / (x[j] - x[i]));
     }
   }
-  return Quantile(std::move(slopes), 0.5);
+  return MedianOf(std::move(slopes));
 }
 
 }  // namespace
-
-double Quantile(std::vector<double> values, double q) {
-  if (values.empty()) return kNaN;
-  std::sort(values.begin(), values.end());
-  const double rank = q * double(values.size() - 1);
-  const size_t below = size_t(rank), above = std::min(below + 1, values.size() - 1);
-  const double part = rank - double(below);
-  return (1 - part) * values[below] + part * values[above];
-}
 
 Statistics Summarize(std::vector<double> values) {
   Statistics s{values.size(), kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
@@ -160,7 +152,7 @@ Statistics Summarize(std::vector<double> values) {
   }
   s.rmse = std::sqrt(squares / n);
   s.std = std::sqrt(deviations / n);
-  s.median = Quantile(values, 0.5);
+  s.median = MedianOf(values);
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   s.min = *low;
   s.max = *high;

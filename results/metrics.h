@@ -20,9 +20,6 @@ struct Statistics {
 };
 Statistics Summarize(std::vector<double> values);
 
-/// The value below which a part `q` in [0, 1] of the values lies, linear between ranks; NaN for none.
-double Quantile(std::vector<double> values, double q);
-
 /// |p_estimate - p_truth| per pair, m.
 std::vector<double> PositionErrors(const std::vector<PosePair>& pairs);
 /// Angle of R_estimate^T R_truth per pair, rad in [0, pi].

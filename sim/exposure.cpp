@@ -8,6 +8,7 @@
 #include <span>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
 
 namespace gaitcam {
 namespace {
@@ -30,8 +31,7 @@ void DescribeFlow(const std::vector<Eigen::Vector2d>& open, const std::vector<Ei
     lengths.push_back(moved.norm());
   }
   if (lengths.empty()) return;
-  std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 2, lengths.end());
-  motion.typical_px = lengths[lengths.size() / 2];
+  motion.typical_px = UpperMedian(std::move(lengths));
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(moments);
   motion.axis = solver.eigenvectors().col(1);
   if (motion.axis.dot(sum) < 0) motion.axis = -motion.axis;

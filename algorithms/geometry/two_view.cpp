@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "algorithms/core/median.h"
 #include "algorithms/geometry/homography.h"
 #include "algorithms/geometry/relative_motion.h"
 #include "algorithms/geometry/robust.h"
@@ -209,8 +210,7 @@ double MedianParallax(const std::vector<PointPair>& pairs, const std::vector<int
     const Eigen::Vector3d a = R * pairs[size_t(i)].a.homogeneous(), b = pairs[size_t(i)].b.homogeneous();
     angles.push_back(std::atan2(a.cross(b).norm(), a.dot(b)));
   }
-  std::nth_element(angles.begin(), angles.begin() + long(angles.size() / 2), angles.end());
-  return angles[angles.size() / 2];
+  return UpperMedian(std::move(angles));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
 #include "algorithms/geometry/relative_motion.h"
 #include "algorithms/geometry/robust.h"
@@ -18,12 +19,6 @@ namespace {
 
 constexpr double kRadPerDeg = M_PI / 180;
 constexpr double kFlat = 5;  // times the parallax is asked of a start that looks like a plane
-
-double Median(std::vector<double> values) {
-  GAITCAM_ASSERT(!values.empty());
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 /// What the steps of a pair have placed is not moved any more.
 LandmarkMapOptions MapOptions(const FrameToFrameVoOptions& o) {
@@ -236,7 +231,7 @@ bool FrameToFrameVo::Tracker::BeginReconstruction(FrameView& view, const std::ve
     pairs.push_back({match.a, match.b});
   }
   if (int(known.size()) < options_.min_start_points) return false;
-  const double unit = median_depth_ / Median(known);
+  const double unit = median_depth_ / UpperMedian(known);
   chosen_->X_WC = X_WC_last_.value_or(Pose());
   view.X_WC = chosen_->X_WC * Pose(two_view.X_AB.rotation, unit * two_view.X_AB.translation);
   map_.AddKeyframe(*chosen_, {}, median_depth_, Guess());  // its features are the map's landmarks now, in order

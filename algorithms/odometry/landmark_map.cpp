@@ -5,20 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
 #include "algorithms/geometry/bundle_adjustment.h"
 
 namespace gaitcam {
-namespace {
-
-double Median(std::vector<double> values) {
-  GAITCAM_ASSERT(!values.empty());
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
-}  // namespace
-
 double LandmarkMap::MedianDepth(const Pose& X_WC, double otherwise) const {
   std::vector<double> depths;
   for (const Landmark& landmark : landmarks_) {
@@ -27,7 +17,7 @@ double LandmarkMap::MedianDepth(const Pose& X_WC, double otherwise) const {
     if (depth > 0) depths.push_back(depth);
   }
   constexpr size_t kFewest = 10;
-  return depths.size() < kFewest ? otherwise : Median(depths);
+  return depths.size() < kFewest ? otherwise : UpperMedian(depths);
 }
 
 double LandmarkMap::MedianParallax(const std::vector<LandmarkMatch>& matches, const Eigen::Vector3d& from_W,
@@ -40,7 +30,7 @@ double LandmarkMap::MedianParallax(const std::vector<LandmarkMatch>& matches, co
     const Eigen::Vector3d ray = keyframes_[size_t(landmark.anchor)].rotation * landmark.ray.homogeneous();
     angles.push_back(landmark.rho * ray.normalized().cross(baseline).norm() / landmark.ray.homogeneous().norm());
   }
-  return Median(angles);
+  return UpperMedian(angles);
 }
 
 int LandmarkMap::AddKeyframe(FrameView& view, const std::vector<LandmarkMatch>& matches, double unit_depth,

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
 #include "algorithms/geometry/absolute_pose.h"
 
 namespace gaitcam {
@@ -207,14 +207,12 @@ std::vector<LandmarkMatch> LandmarkPlacer::Find(const LandmarkMap& map, const Fr
 }
 
 void ScaleNoise(const LandmarkMap& map, const std::vector<LandmarkMatch>& matches, FrameView& view) {
-  GAITCAM_ASSERT(!matches.empty());
   std::vector<double> distances;
   for (const LandmarkMatch& match : matches) {
     distances.push_back(std::sqrt(Mahalanobis2(SightingOf(map, view, match, 1), view.X_WC)));
   }
-  std::nth_element(distances.begin(), distances.begin() + long(distances.size() / 2), distances.end());
   constexpr double kMedianOfRayleigh = 1.1774;  // of the length of a vector of two unit normals
-  const double factor = std::clamp(distances[distances.size() / 2] / kMedianOfRayleigh, 0.5, 3.0);
+  const double factor = std::clamp(UpperMedian(std::move(distances)) / kMedianOfRayleigh, 0.5, 3.0);
   for (double& sigma : view.sigma) sigma *= factor;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
 #include "algorithms/features/features.h"
 #include "algorithms/features/matching.h"
@@ -17,12 +18,6 @@ namespace {
 
 constexpr double kRadPerDeg = M_PI / 180;
 constexpr double kLevel = 0.82;  // cosine of the largest angle between a floor's normal and the camera's up: 35 degrees
-
-double Median(std::vector<double> values) {
-  GAITCAM_ASSERT(!values.empty());
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 /// Where a frame stands: its place relative to a keyframe, so that what is learnt of the keyframe later moves it too.
 struct FrameRecord {
@@ -227,7 +222,7 @@ bool MobifVoPlus::Tracker::StartMap(FrameView& view, const std::vector<Match>& m
   if (int(pairs.size()) < options_.min_start_points) return false;
   // Where the motion makes the floor a slope, wait for another.
   if (two_view.planar && options_.use_floor && !FindFloor(below, random_)) return false;
-  const double unit = median_depth_ / Median(depths);
+  const double unit = median_depth_ / UpperMedian(depths);
   map_.AddKeyframe(*reference_, {}, median_depth_, Guess());
   for (size_t i = 0; i < pairs.size(); ++i) map_.SetDepth(pairs[i].landmark, 1 / (unit * depths[i]));
   view.X_WC = reference_->X_WC * Pose(two_view.X_AB.rotation, unit * t);

@@ -18,6 +18,7 @@
 #include <tuple>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
 #include "algorithms/io/dataset_layout.h"
 #include "algorithms/io/dataset_reader.h"
@@ -262,10 +263,7 @@ void MatchCount::operator+=(const MatchCount& other) {
 
 double MatchCount::MedianError() const {
   if (errors_px.empty()) return std::nan("");
-  std::vector<double> sorted = errors_px;
-  const auto middle = sorted.begin() + long(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
+  return UpperMedian(errors_px);
 }
 
 namespace {

@@ -1,8 +1,9 @@
 #include "scenarios/datasets/floor_intrinsics.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
+
+#include "algorithms/core/median.h"
 
 namespace gaitcam {
 namespace {
@@ -69,9 +70,7 @@ std::optional<double> FloorFit::FloorHeight(const CameraModel& camera, const Pos
   if (fit.samples_.size() < kFewest) return std::nullopt;
   std::vector<double> heights;
   for (const Sample& s : fit.samples_) heights.push_back(std::abs(s.t_z + s.depth * (s.r0 * s.x + s.r1 * s.y + s.r2)));
-  const auto middle = heights.begin() + long(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  return *middle;
+  return UpperMedian(std::move(heights));
 }
 
 }  // namespace gaitcam

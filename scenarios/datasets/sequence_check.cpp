@@ -7,6 +7,7 @@
 #include <map>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
 #include "algorithms/io/calibration_file.h"
 #include "algorithms/io/text_table.h"
 #include "scenarios/datasets/image_check.h"
@@ -171,8 +172,7 @@ class SensorCheck {
       if (imu_stamps_[i] && imu_stamps_[i - 1]) steps.push_back(*imu_stamps_[i] - *imu_stamps_[i - 1]);
     }
     if (steps.empty() || !calibration_ || calibration_->imu.rate_hz <= 0) return;
-    std::nth_element(steps.begin(), steps.begin() + long(steps.size() / 2), steps.end());
-    const double rate_hz = 1e9 / double(std::max<int64_t>(1, steps[steps.size() / 2]));
+    const double rate_hz = 1e9 / double(std::max<int64_t>(1, UpperMedian(std::move(steps))));
     if (std::abs(rate_hz / calibration_->imu.rate_hz - 1) > 0.1)
       table.FailWhole(fmt::format("comes at {:.1f} Hz, the calibration says {:g}", rate_hz, calibration_->imu.rate_hz));
   }

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
 #include "algorithms/io/image_file.h"
 #include "algorithms/io/text_table.h"
 #include "models/yaml_fields.h"
@@ -58,16 +59,18 @@ class TruthCheck {
     if (!table.was_read()) return;
     const auto stamps = table.Stamps(separator == ' ');
     CompareStamps(stamps, table, stamps_, frames_name());
-    std::optional<Eigen::Vector3d> last;
+    Eigen::Vector3d last = Eigen::Vector3d::Zero();
+    bool last_known = false;
     for (size_t row = 0; row < table.size(); ++row) {
       table.UnitQuaternion(row, quaternion, kUnit, "the pose");
-      std::optional<Eigen::Vector3d> p = Position(table, row, 1, "the pose: a part of its position");
-      if (p && last && row > 0 && stamps[row] && stamps[row - 1] && *stamps[row] > *stamps[row - 1]) {
-        const double speed = (*p - *last).norm() / (double(*stamps[row] - *stamps[row - 1]) * 1e-9);
+      const std::optional<Eigen::Vector3d> p = Position(table, row, 1, "the pose: a part of its position");
+      if (p && last_known && stamps[row] && stamps[row - 1] && *stamps[row] > *stamps[row - 1]) {
+        const double speed = (*p - last).norm() / (double(*stamps[row] - *stamps[row - 1]) * 1e-9);
         if (speed > kSpeed_mps)
-          table.Fail(row, fmt::format("the pose is {:.2f} m from the one before it", (*p - *last).norm()));
+          table.Fail(row, fmt::format("the pose is {:.2f} m from the one before it", (*p - last).norm()));
       }
-      last = p;
+      last_known = p.has_value();
+      if (p) last = *p;
     }
   }
 
@@ -256,9 +259,7 @@ class TruthCheck {
       }
     }
     if (errors.size() < 20) return;
-    for (auto* values : {&errors, &lengths})
-      std::nth_element(values->begin(), values->begin() + long(values->size() / 2), values->end());
-    const double error = errors[errors.size() / 2], length = lengths[lengths.size() / 2];
+    const double error = UpperMedian(std::move(errors)), length = UpperMedian(std::move(lengths));
     if (error <= kBlur_px + kBlurPart * length) return;
     problems_.push_back({frame.blur, 0,
                          fmt::format("its vectors ({:.1f} px) are {:.2f} px off what depth and the poses of "

@@ -10,6 +10,7 @@
 #include "algorithms/io/image_file.h"
 #include "algorithms/io/text_table.h"
 #include "algorithms/io/trajectory_file.h"
+#include "results/statistics.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -50,12 +51,6 @@ template <class Map>
 typename Map::mapped_type At(const Map& map, int64_t stamp_ns) {
   const auto it = map.find(stamp_ns);
   return it == map.end() ? typename Map::mapped_type() : it->second;
-}
-
-double Quantile(std::vector<double> values, double part) {
-  const auto at = values.begin() + long(std::llround(part * double(values.size() - 1)));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace
@@ -118,7 +113,7 @@ BlurSummary SummariseBlur(const RecordedWalk& walk) {
   std::vector<double> medians;
   for (const RecordedFrame& frame : walk.frames) medians.push_back(frame.blur_median_px);
   if (medians.empty()) return {};
-  return {Quantile(medians, 0.5), Quantile(medians, 0.9), Quantile(medians, 1)};
+  return {QuantileOf(medians, 0.5), QuantileOf(medians, 0.9), QuantileOf(medians, 1)};
 }
 
 }  // namespace gaitcam

@@ -75,10 +75,9 @@ std::string PhotographRows(bool linear_light, cv::Size size, int directions) {
       for (const double noise : {0.0, 2.0, 5.0}) {
         const Cell c = EstimatePhotographs(*psf, extent, noise, linear_light, size, directions);
         const std::string errors =
-            extent >= 6
-                ? fmt::format("{:.0f} % | {:.0f} % | {:.2f}°, {:.2f} px", Share(c.good, c.all), Share(c.close, c.all),
-                              psf_test::Median(c.direction_deg), psf_test::Median(c.extent_px))
-                : "– | – | –";
+            extent >= 6 ? fmt::format("{:.0f} % | {:.0f} % | {:.2f}°, {:.2f} px", Share(c.good, c.all),
+                                      Share(c.close, c.all), UpperMedian(c.direction_deg), UpperMedian(c.extent_px))
+                        : "– | – | –";
         rows += fmt::format("| {} | {:g} px | {:g} | {} | {:.1f} % |\n", name, extent, noise, errors,
                             Share(c.blurred, c.all));
       }
@@ -99,7 +98,7 @@ double MedianVectorError(const cv::Mat& truth, const VectorAt& vector_at) {
       if (std::isfinite(v[0]) && std::isfinite(v[1])) errors.push_back(psf_test::VectorError(vector_at(x, y), v));
     }
   }
-  return errors.empty() ? 0 : psf_test::Median(errors);
+  return errors.empty() ? 0 : UpperMedian(errors);
 }
 
 VectorAt Uniform(const BlurEstimate& e) {
@@ -187,8 +186,8 @@ class WalkTable {
       rule += "---|";
       counts += fmt::format(" {} |", group.frames);
       for (const auto& [name, errors] : group.errors) {
-        rows[name] += fmt::format(" {:.2f} px ({:.0f} %) |", psf_test::Median(errors),
-                                  Share(group.alarms.at(name), group.frames));
+        rows[name] +=
+            fmt::format(" {:.2f} px ({:.0f} %) |", UpperMedian(errors), Share(group.alarms.at(name), group.frames));
       }
     }
     std::string text = header + "\n" + rule + "\n" + counts + "\n";

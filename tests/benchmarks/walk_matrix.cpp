@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "results/statistics.h"
 #include "tests/sim/walk_trial.h"
 
 namespace gaitcam {
@@ -75,12 +76,6 @@ void WalkAll(std::vector<Row>& rows) {
   for (std::thread& thread : threads) thread.join();
 }
 
-double Quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[size_t(q * double(values.size() - 1))];
-}
-
 template <class Value>
 std::vector<double> Each(const Row& row, Value value) {
   std::vector<double> values;
@@ -92,17 +87,17 @@ std::string Line(const Row& row) {
   const auto not_there = std::count_if(row.trials.begin(), row.trials.end(), [](const auto& t) { return !t.finished; });
   const auto speed = Each(row, [](const auto& t) { return 100 * t.speed_m_s; });
   const auto tilt = Each(row, [](const auto& t) { return kDegrees * t.most_tilt_rad; });
-  const auto error = Each(row, [](const auto& t) { return 100 * Quantile(t.path_error_m, 0.5); });
-  const auto worst = Each(row, [](const auto& t) { return 100 * Quantile(t.path_error_m, 1); });
+  const auto error = Each(row, [](const auto& t) { return 100 * QuantileOf(t.path_error_m, 0.5); });
+  const auto worst = Each(row, [](const auto& t) { return 100 * QuantileOf(t.path_error_m, 1); });
   const auto rate = [&](int axis) {
-    return Quantile(Each(row, [&](const auto& t) { return t.head_rate_rms[axis]; }), 0.5);
+    return QuantileOf(Each(row, [&](const auto& t) { return t.head_rate_rms[axis]; }), 0.5);
   };
   return fmt::format(
       "| {} | {} | {} | {} | {:.1f} ({:.1f}–{:.1f}) | {:.1f} | {:.1f} ({:.1f}–{:.1f}) | {:.1f} | {:.2f} {:.2f} {:.2f} "
       "|\n",
-      row.robot, row.preset, row.path_name, not_there, Quantile(speed, 0.5), Quantile(speed, 0), Quantile(speed, 1),
-      Quantile(tilt, 1), Quantile(error, 0.5), Quantile(error, 0), Quantile(error, 1), Quantile(worst, 1), rate(0),
-      rate(1), rate(2));
+      row.robot, row.preset, row.path_name, not_there, QuantileOf(speed, 0.5), QuantileOf(speed, 0),
+      QuantileOf(speed, 1), QuantileOf(tilt, 1), QuantileOf(error, 0.5), QuantileOf(error, 0), QuantileOf(error, 1),
+      QuantileOf(worst, 1), rate(0), rate(1), rate(2));
 }
 
 std::string Table(const std::vector<Row>& rows) {

@@ -60,6 +60,9 @@ TEST(Quantile, InterpolatesAsTypeSevenDoes) {
   EXPECT_NEAR(QuantileOf(values, 0.9), 12.8, 1e-12);
   EXPECT_EQ(QuantileOf(values, 0), 1);
   EXPECT_EQ(QuantileOf(values, 1), 16);
+  EXPECT_EQ(QuantileOf({5}, 0.95), 5);
+  EXPECT_EQ(QuantileOf({2, 1}, 0.25), 1.25);
+  EXPECT_TRUE(std::isnan(QuantileOf({}, 0.5)));
 }
 
 TEST(SignedRanks, AgreeWithThePublishedTableOfCriticalValues) {

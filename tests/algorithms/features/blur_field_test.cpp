@@ -10,7 +10,6 @@ namespace gaitcam {
 namespace {
 
 using psf_test::BlurredByTurn;
-using psf_test::Median;
 using psf_test::Photograph;
 using psf_test::VectorError;
 
@@ -23,7 +22,7 @@ double MedianError(const cv::Mat& truth, VectorAt&& vector_at) {
   for (int y = 4; y < truth.rows; y += 8) {
     for (int x = 4; x < truth.cols; x += 8) errors.push_back(VectorError(vector_at(x, y), truth.at<cv::Vec2f>(y, x)));
   }
-  return Median(errors);
+  return UpperMedian(errors);
 }
 
 Eigen::Vector2d RegionVector(const std::vector<BlurRegion>& regions, int x, int y) {
@@ -48,9 +47,9 @@ TEST(BlurField, FollowsATurnWithRollBetterThanClusters) {
     cluster_errors.push_back(MedianError(truth, [&](int x, int y) { return RegionVector(clusters, x, y); }));
   }
   // Blur is 14 px in the middle and 5 to 24 px at the corners.
-  EXPECT_LT(Median(field_errors), 0.6);
-  EXPECT_LT(Median(region_errors), 2);  // the tolerance of a region
-  EXPECT_GT(Median(cluster_errors), 3 * Median(region_errors));
+  EXPECT_LT(UpperMedian(field_errors), 0.6);
+  EXPECT_LT(UpperMedian(region_errors), 2);  // the tolerance of a region
+  EXPECT_GT(UpperMedian(cluster_errors), 3 * UpperMedian(region_errors));
 }
 
 TEST(BlurField, VectorsAreThoseOfASmallTurn) {

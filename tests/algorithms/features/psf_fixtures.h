@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
 #include "algorithms/features/line_blur.h"
 
@@ -116,11 +118,6 @@ inline cv::Mat BlurredByTurn(const cv::Mat& grey, const cv::Size& size, double f
 inline double VectorError(const Eigen::Vector2d& a, const cv::Vec2f& b) {
   const Eigen::Vector2d other{double(b[0]), double(b[1])};
   return std::min((a - other).norm(), (a + other).norm());
-}
-
-inline double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values.at(values.size() / 2);
 }
 
 }  // namespace gaitcam::psf_test

@@ -50,8 +50,8 @@ TEST(TwoView, OutliersAreFoundOutAndNoiseIsAveraged) {
     for (const int i : result.inliers) ++(i < 100 ? good_kept : bad_kept);
   }
   // What the hundred true pairs alone allow, and half as much again for false ones that lie on their lines by chance.
-  EXPECT_LT(Median(turn), 1.5 * Median(clean_turn));
-  EXPECT_LT(Median(direction), 1.5 * Median(clean_direction));
+  EXPECT_LT(UpperMedian(turn), 1.5 * UpperMedian(clean_turn));
+  EXPECT_LT(UpperMedian(direction), 1.5 * UpperMedian(clean_direction));
   EXPECT_GT(good_kept, 0.95 * good);
   EXPECT_LT(bad_kept, 0.1 * bad);  // a random pair lies within 2 px of its epipolar line by chance
 }
@@ -162,10 +162,10 @@ TEST_P(AgainstPeers, NoLessAccurateInTheMedian) {
     printf(
         "%-10s %-10s rotation, direction (mrad): %6.2f %6.2f   OpenCV %6.2f %6.2f   OpenGV %6.2f %6.2f   turn %d plane "
         "%d among %d\n",
-        c.name, estimator, 1e3 * Median(R), 1e3 * Median(t), 1e3 * Median(opencv_R), 1e3 * Median(opencv_t),
-        1e3 * Median(opengv_R), 1e3 * Median(opengv_t), verdicts, planes, among);
-    EXPECT_LE(Median(R), std::min(Median(opencv_R), Median(opengv_R))) << estimator;
-    EXPECT_LE(Median(t), std::min(Median(opencv_t), Median(opengv_t))) << estimator;
+        c.name, estimator, 1e3 * UpperMedian(R), 1e3 * UpperMedian(t), 1e3 * UpperMedian(opencv_R),
+        1e3 * UpperMedian(opencv_t), 1e3 * UpperMedian(opengv_R), 1e3 * UpperMedian(opengv_t), verdicts, planes, among);
+    EXPECT_LE(UpperMedian(R), std::min(UpperMedian(opencv_R), UpperMedian(opengv_R))) << estimator;
+    EXPECT_LE(UpperMedian(t), std::min(UpperMedian(opencv_t), UpperMedian(opengv_t))) << estimator;
     EXPECT_EQ(verdicts, c.turn_only ? kScenes : 0) << estimator;
     if (!c.turn_only) {
       EXPECT_EQ(planes > kScenes / 2, c.scene == Scene::kPlane) << estimator;

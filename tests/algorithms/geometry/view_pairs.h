@@ -3,9 +3,11 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "algorithms/core/median.h"
 #include "algorithms/core/pose.h"
 #include "algorithms/core/random.h"
 #include "algorithms/geometry/epipolar.h"
@@ -66,11 +68,6 @@ inline double EssentialDistance(const Eigen::Matrix3d& a, const Eigen::Matrix3d&
 
 inline double DirectionError(const Pose& estimate, const Pose& truth) {
   return std::acos(std::clamp(estimate.translation.normalized().dot(truth.translation.normalized()), -1.0, 1.0));
-}
-
-inline double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace gaitcam
