@@ -207,8 +207,9 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     return resolved;
   }
   try {
-    MakeSystem(scenario.system.name,
-               {CameraRig(scenario.camera, scenario.seed).MakeCalibration(), scenario.seed, scenario.system.settings});
+    Calibration calibration = CameraRig(scenario.camera, scenario.seed).MakeCalibration();
+    calibration.standing.emplace();  // the robot will tell; here it only matters that it can
+    MakeSystem(scenario.system.name, {calibration, scenario.seed, scenario.system.settings});
   } catch (const BadInput& e) {
     FailAtSystem(root, e.what());
   }
