@@ -2,15 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/trajectory_file.h"
+#include "scenarios/runs/mapped_floor.h"
 #include "scenarios/runs/output_folder.h"
 #include "scenarios/runs/tracked_system.h"
 #include "scenarios/runs/tracking_thread.h"
@@ -21,12 +22,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kSchema = "gaitcam.job.1";
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 nlohmann::ordered_json ToJson(const JobRecord& record, const std::string& program) {
   nlohmann::ordered_json json{{"schema", kSchema},
@@ -79,14 +74,15 @@ std::optional<Estimate> TrackSequence(const Scenario& scenario, const CachedSequ
 }
 
 /// Scores what there is to score, and keeps why not where there is too little.
-std::optional<Scores> ScoreInto(const Estimate& estimate, const CachedSequence& sequence, const ScoreOptions& options,
-                                JobRecord& record) {
+std::optional<Scores> ScoreInto(const Estimate& estimate, const CachedSequence& sequence,
+                                const ResolvedScenario& resolved, JobRecord& record) {
   const CachedSequence::Frames frames = sequence.ReadFrames();
-  record.blur_median_px = Median(frames.blur_median_px);
+  if (!frames.blur_median_px.empty()) record.blur_median_px = UpperMedian(frames.blur_median_px);
   const double poses = double(estimate.ToTrajectory().size());
   record.scores["coverage_ratio"] = frames.stamps.empty() ? 0 : poses / double(frames.stamps.size());
   try {
-    Scores scores = ScoreEstimate(estimate, sequence.Truth(), frames.stamps, options);
+    Scores scores = ScoreEstimate(estimate, sequence.Truth(), frames.stamps, resolved.scenario.score);
+    AddMapScores(estimate, resolved.place, scores);
     for (const Score& score : scores.scores) record.scores[score.name] = score.value;
     for (const Score& score : scores.timing) record.timing[score.name] = score.value;
     return scores;
@@ -129,7 +125,7 @@ bool RunJob(const ResolvedScenario& resolved, const JobOptions& options) {
   record.frames = sequence->frames;
   record.end_time_s = sequence->end_time_s;
   record.renderer = sequence->renderer;
-  const std::optional<Scores> scores = ScoreInto(*estimate, *sequence, scenario.score, record);
+  const std::optional<Scores> scores = ScoreInto(*estimate, *sequence, resolved, record);
   WriteTrajectory(folder.path() / "estimate.txt", estimate->ToTrajectory(), TrajectoryFormat::kTum);
   WriteTrajectory(folder.path() / "truth.txt", sequence->Truth(), TrajectoryFormat::kTum);
   folder.WriteText("tracking.csv", TrackingCsv(*estimate));
