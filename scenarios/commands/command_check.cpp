@@ -22,7 +22,7 @@ ExecutorOptions ExecutorOptionsOf(const CheckArguments& arguments, const Suite& 
                                   const InterruptGuard& guard) {
   ExecutorOptions options;
   options.runs = arguments.out.empty() ? fs::path("runs/check-" + suite.options.name) : arguments.out;
-  options.cache = {arguments.cache.folder, arguments.cache.max_gb};
+  options.cache = arguments.cache;
   options.jobs = arguments.jobs;
   options.what = "checking " + suite.options.name;
   options.quiet = common.quiet;

@@ -19,7 +19,7 @@ void AddScenario(CLI::App& verb, ScenarioArguments& arguments) {
   verb.add_option("--system", arguments.system, "SLAM system (default: the scenario's)");
 }
 
-void AddCache(CLI::App& verb, CacheArguments& arguments) {
+void AddCache(CLI::App& verb, SequenceCacheOptions& arguments) {
   verb.add_option("--cache", arguments.folder, "folder of recorded walks (default: ~/.cache/gaitcam/sequences)");
   verb.add_option("--cache-gb", arguments.max_gb, "its largest size; what was used longest ago goes first")
       ->check(CLI::PositiveNumber)

@@ -36,7 +36,7 @@ ExecutorOutcome Execute(const std::vector<WorkItem>& items, const StudyArguments
                         const std::string& name, const CommonOptions& common, const InterruptGuard& guard) {
   ExecutorOptions options;
   options.runs = out / "runs";
-  options.cache = {arguments.cache.folder, arguments.cache.max_gb};
+  options.cache = arguments.cache;
   options.jobs = arguments.jobs;
   options.what = name;
   options.quiet = common.quiet;

@@ -4,7 +4,7 @@
 namespace gaitcam {
 
 int WorkCommand(const WorkArguments& arguments, const CommonOptions&) {
-  return WorkOn(arguments.runs, arguments.hash, {arguments.cache.folder, arguments.cache.max_gb});
+  return WorkOn(arguments.runs, arguments.hash, arguments.cache);
 }
 
 }  // namespace gaitcam

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "scenarios/jobs/sequence_cache.h"
+
 namespace gaitcam {
 
 /// Options that every verb shares.
@@ -24,12 +26,6 @@ struct ScenarioArguments {
 
   /// `--seed` and `--system` as assignments, after the others.
   std::vector<std::string> Assignments() const;
-};
-
-/// Where recorded walks are kept for other systems to see.
-struct CacheArguments {
-  std::filesystem::path folder;  ///< Empty: ~/.cache/gaitcam/sequences.
-  double max_gb = 20;
 };
 
 struct RunArguments {
@@ -88,7 +84,7 @@ struct CheckArguments {
   bool update = false;             ///< Write the baseline instead of comparing with it.
   std::filesystem::path junit, markdown;
   std::filesystem::path out;  ///< Folder of the runs; empty: runs/check-SUITE.
-  CacheArguments cache;
+  SequenceCacheOptions cache;
   int jobs = 0;  ///< 0: one per core.
   bool self_test = false;
   int reruns = 0;                ///< Of the self-test.
@@ -100,7 +96,7 @@ int CheckCommand(const CheckArguments& arguments, const CommonOptions& common);
 struct WorkArguments {
   std::filesystem::path runs;
   std::string hash;
-  CacheArguments cache;
+  SequenceCacheOptions cache;
 };
 int WorkCommand(const WorkArguments& arguments, const CommonOptions& common);
 
@@ -108,7 +104,7 @@ struct StudyArguments {
   std::filesystem::path file;
   std::filesystem::path out;  ///< Empty: studies/NAME.
   int jobs = 0;               ///< Runs at once; 0: one per core.
-  CacheArguments cache;
+  SequenceCacheOptions cache;
   std::string executor = "local";
   std::vector<std::string> sbatch;  ///< Further words for Slurm's sbatch.
   bool yes = false;                 ///< Also more runs than anybody wants by mistake.

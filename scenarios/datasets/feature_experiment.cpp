@@ -13,7 +13,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
-#include <sstream>
 #include <thread>
 #include <tuple>
 
@@ -23,6 +22,7 @@
 #include "algorithms/io/dataset_layout.h"
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/trajectory_file.h"
+#include "scenarios/runs/recorded_walk.h"
 
 namespace gaitcam {
 namespace {
@@ -151,7 +151,7 @@ struct WalkFrame {
 constexpr double kDepthScale = 5000;
 
 /// Depth at the nearest pixel, m; nothing where it is unknown or jumps.
-std::optional<double> DepthAt(const cv::Mat& depth, const Vector2d& pixel) {
+std::optional<double> SteadyDepthAt(const cv::Mat& depth, const Vector2d& pixel) {
   constexpr double kJump = 1.03;  // ratio of neighbouring depths that is an edge of something
   const int x = int(std::lround(pixel.x())), y = int(std::lround(pixel.y()));
   if (!cv::Rect(2, 2, depth.cols - 4, depth.rows - 4).contains({x, y})) return std::nullopt;
@@ -161,33 +161,18 @@ std::optional<double> DepthAt(const cv::Mat& depth, const Vector2d& pixel) {
   return depth.at<uint16_t>(y, x) / kDepthScale;
 }
 
-/// Median blur of each frame, by stamp.
-std::map<int64_t, double> ReadBlur(const fs::path& file) {
-  std::ifstream in(file);
-  std::map<int64_t, double> blur;
-  constexpr int kMedianColumn = 15;
-  for (std::string line; std::getline(in, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    std::istringstream row(line);
-    std::string cell, stamp;
-    std::getline(row, stamp, ',');
-    for (int i = 1; i <= kMedianColumn; ++i) std::getline(row, cell, ',');
-    blur[std::stoll(stamp)] = std::stod(cell);
-  }
-  if (blur.empty()) throw BadInput(file.string() + ": should hold a row per frame");
-  return blur;
-}
-
 }  // namespace
 
 std::vector<WalkPair> ReadWalkPairs(const fs::path& dataset, int gap, int stride) {
   GAITCAM_ASSERT(gap > 0 && stride > 0);
-  const fs::path sensors = FindDataset(dataset), truth = sensors.string() + "-truth";
-  if (!fs::exists(truth / "frames.csv")) throw BadInput(truth.string() + ": the truth of the recording is not there");
+  const fs::path sensors = FindDataset(dataset), truth = sensors.string() + "-truth", table = truth / "frames.csv";
+  if (!fs::exists(table)) throw BadInput(truth.string() + ": the truth of the recording is not there");
   DatasetReader reader(sensors);
   const CameraModel camera = reader.calibration().camera;
   const Trajectory trajectory = ReadTrajectory(truth / "groundtruth.txt").trajectory;
-  const std::map<int64_t, double> blur = ReadBlur(truth / "frames.csv");
+  std::map<int64_t, double> blur;
+  for (const RecordedTruth& frame : ReadRecordedTruth({sensors, truth})) blur[frame.stamp_ns] = frame.blur_median_px;
+  if (blur.empty()) throw BadInput(table.string() + ": should hold a row per frame");
   std::vector<WalkFrame> frames;
   while (const std::optional<Observation> seen = reader.Next()) {
     const std::optional<Pose> pose = PoseAt(trajectory, seen->stamp_ns);
@@ -204,7 +189,7 @@ std::vector<WalkPair> ReadWalkPairs(const fs::path& dataset, int gap, int stride
     const WalkFrame &a = frames[i], &b = frames[i + size_t(gap)];
     const Pose X_BA = b.X_WC.Inverse() * a.X_WC;
     const TrueMap map = [camera, X_BA, depth = a.depth](const Vector2d& pixel) -> std::optional<Vector2d> {
-      const std::optional<double> z = DepthAt(depth, pixel);
+      const std::optional<double> z = SteadyDepthAt(depth, pixel);
       if (!z) return std::nullopt;
       return camera.Project(X_BA * Eigen::Vector3d(*z * camera.Unproject(pixel)));
     };

@@ -14,7 +14,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/checksum.h"
 #include "scenarios/datasets/dataset_card.h"
-#include "scenarios/jobs/sequence_cache.h"
+#include "scenarios/runs/file_lock.h"
 #include "scenarios/runs/interrupt.h"
 #include "scenarios/runs/output_folder.h"
 #include "scenarios/runs/progress.h"

@@ -76,12 +76,17 @@ std::optional<Estimate> TrackSequence(const Scenario& scenario, const CachedSequ
 /// Scores what there is to score, and keeps why not where there is too little.
 std::optional<Scores> ScoreInto(const Estimate& estimate, const CachedSequence& sequence,
                                 const ResolvedScenario& resolved, JobRecord& record) {
-  const CachedSequence::Frames frames = sequence.ReadFrames();
-  if (!frames.blur_median_px.empty()) record.blur_median_px = UpperMedian(frames.blur_median_px);
+  std::vector<int64_t> stamps;
+  std::vector<double> blur_px;
+  for (const RecordedTruth& frame : sequence.ReadFrames()) {
+    stamps.push_back(frame.stamp_ns);
+    blur_px.push_back(frame.blur_median_px);
+  }
+  if (!blur_px.empty()) record.blur_median_px = UpperMedian(std::move(blur_px));
   const double poses = double(estimate.ToTrajectory().size());
-  record.scores["coverage_ratio"] = frames.stamps.empty() ? 0 : poses / double(frames.stamps.size());
+  record.scores["coverage_ratio"] = stamps.empty() ? 0 : poses / double(stamps.size());
   try {
-    Scores scores = ScoreEstimate(estimate, sequence.Truth(), frames.stamps, resolved.scenario.score);
+    Scores scores = ScoreEstimate(estimate, sequence.Truth(), stamps, resolved.scenario.score);
     AddMapScores(estimate, resolved.place, scores);
     for (const Score& score : scores.scores) record.scores[score.name] = score.value;
     for (const Score& score : scores.timing) record.timing[score.name] = score.value;

@@ -1,20 +1,12 @@
 #include "scenarios/jobs/sequence_cache.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/checksum.h"
-#include "algorithms/io/text_table.h"
 #include "algorithms/io/trajectory_file.h"
 #include "scenarios/runs/output_folder.h"
 #include "scenarios/runs/recorder.h"
@@ -51,57 +43,11 @@ uintmax_t SizeOf(const fs::path& folder) {
 
 }  // namespace
 
-FileLock::FileLock(const fs::path& file, Kind kind)
-    : descriptor_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-  int result = -1;
-  if (descriptor_ >= 0) {
-    do {
-      result = flock(descriptor_, kind == Kind::kShared ? LOCK_SH : LOCK_EX);
-    } while (result != 0 && errno == EINTR);
-  }
-  if (result == 0) return;
-  const std::string reason = std::strerror(errno);
-  if (descriptor_ >= 0) close(descriptor_);
-  throw MissingResource("cannot lock " + file.string() + ": " + reason);
-}
-
-FileLock::~FileLock() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
-FileLock::FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-std::optional<FileLock> FileLock::Try(const fs::path& file) {
-  FileLock lock;
-  lock.descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (lock.descriptor_ < 0) throw MissingResource("cannot lock " + file.string() + ": " + std::strerror(errno));
-  if (flock(lock.descriptor_, LOCK_EX | LOCK_NB) != 0) return std::nullopt;
-  return lock;
-}
-
-bool FileLock::TryExclusive(const fs::path& file, const std::function<void()>& then) {
-  const int descriptor = open(file.c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor < 0) return false;
-  const bool locked = flock(descriptor, LOCK_EX | LOCK_NB) == 0;
-  if (locked) then();
-  close(descriptor);
-  return locked;
-}
-
 Trajectory CachedSequence::Truth() const {
   return ReadTrajectory(folders.truth / "groundtruth.txt", TrajectoryFormat::kTum).trajectory;
 }
 
-CachedSequence::Frames CachedSequence::ReadFrames() const {
-  constexpr size_t kBlurColumn = 15;  // of frames.csv, see dataset_writer.cpp
-  Frames frames;
-  TextTable table(folders.truth / "frames.csv", ',');
-  while (table.Next()) {
-    frames.stamps.push_back(table.Integer(0, "stamp_ns"));
-    frames.blur_median_px.push_back(table.Number(kBlurColumn, "blur_median_px"));
-  }
-  return frames;
-}
+std::vector<RecordedTruth> CachedSequence::ReadFrames() const { return ReadRecordedTruth(folders); }
 
 fs::path DefaultCacheFolder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return fs::path(cache) / "gaitcam/sequences";

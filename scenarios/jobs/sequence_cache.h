@@ -15,6 +15,8 @@
 
 #include "algorithms/core/trajectory.h"
 #include "algorithms/io/dataset_layout.h"
+#include "scenarios/runs/file_lock.h"
+#include "scenarios/runs/recorded_walk.h"
 #include "scenarios/scenario.h"
 
 namespace gaitcam {
@@ -22,26 +24,6 @@ namespace gaitcam {
 struct SequenceCacheOptions {
   std::filesystem::path folder;  ///< Empty: $XDG_CACHE_HOME/gaitcam/sequences, else ~/.cache/gaitcam/sequences.
   double max_gb = 20;            ///< When it is larger, what was used longest ago goes first.
-};
-
-/// A file lock that lasts as long as the object; other processes wait for it.
-class FileLock {
- public:
-  enum class Kind { kShared, kExclusive };
-  /// @throws MissingResource if the file cannot be made or locked.
-  FileLock(const std::filesystem::path& file, Kind kind);
-  ~FileLock();
-  FileLock(FileLock&& other) noexcept;
-  FileLock& operator=(FileLock&&) = delete;
-
-  /// An exclusive lock, if that needs no waiting. @throws MissingResource if the file cannot be made.
-  static std::optional<FileLock> Try(const std::filesystem::path& file);
-  /// Locks only if that needs no waiting. @returns whether it did.
-  static bool TryExclusive(const std::filesystem::path& file, const std::function<void()>& then);
-
- private:
-  FileLock() = default;
-  int descriptor_ = -1;
 };
 
 /// One recorded walk, safe from removal while the object lives.
@@ -57,12 +39,8 @@ struct CachedSequence {
 
   /// groundtruth.txt: X_WC of the left camera, one pose per frame.
   Trajectory Truth() const;
-  /// The stamps of all frames and each one's median blur, px.
-  struct Frames {
-    std::vector<int64_t> stamps;
-    std::vector<double> blur_median_px;
-  };
-  Frames ReadFrames() const;
+  /// What is true of each frame.
+  std::vector<RecordedTruth> ReadFrames() const;
 };
 
 class SequenceCache {

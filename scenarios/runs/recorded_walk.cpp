@@ -55,6 +55,21 @@ typename Map::mapped_type At(const Map& map, int64_t stamp_ns) {
 
 }  // namespace
 
+std::vector<RecordedTruth> ReadRecordedTruth(const DatasetFolders& folders) {
+  std::vector<RecordedTruth> frames;
+  TextTable table(folders.truth / "frames.csv", ',');
+  while (table.Next()) {
+    RecordedTruth& frame = frames.emplace_back();
+    frame.stamp_ns = table.Integer(0, "the time in ns");
+    frame.X_WC_open = ReadPose(table, kOpen);
+    frame.X_WC_close = ReadPose(table, kClose);
+    frame.blur_median_px = table.Number(kBlur, "blur_median_px");
+    frame.blur_p90_px = table.Number(kBlur + 1, "blur_p90_px");
+    frame.blur_max_px = table.Number(kBlur + 2, "blur_max_px");
+  }
+  return frames;
+}
+
 RecordedWalk ReadRecordedWalk(const DatasetFolders& folders) {
   const bool tum = FormatOfDataset(folders.sensors) == DatasetFormat::kTum;
   const fs::path &sensors = folders.sensors, &truth = folders.truth;
@@ -66,10 +81,9 @@ RecordedWalk ReadRecordedWalk(const DatasetFolders& folders) {
   std::map<int64_t, Pose> poses;
   for (const StampedPose& p : ReadTrajectory(truth / "groundtruth.txt", TrajectoryFormat::kTum).trajectory)
     poses[p.stamp_ns] = p.pose;
-  TextTable table(truth / "frames.csv", ',');
-  while (table.Next()) {
+  for (const RecordedTruth& row : ReadRecordedTruth(folders)) {
     RecordedFrame frame;
-    frame.stamp_ns = table.Integer(0, "the time in ns");
+    static_cast<RecordedTruth&>(frame) = row;
     if (images.count(frame.stamp_ns) == 0 || poses.count(frame.stamp_ns) == 0) continue;
     frame.exposure_ms = At(exposures, frame.stamp_ns);
     frame.image = At(images, frame.stamp_ns);
@@ -77,11 +91,6 @@ RecordedWalk ReadRecordedWalk(const DatasetFolders& folders) {
     frame.depth = At(depth, frame.stamp_ns);
     frame.blur = At(blur, frame.stamp_ns);
     frame.X_WC = poses[frame.stamp_ns];
-    frame.X_WC_open = ReadPose(table, kOpen);
-    frame.X_WC_close = ReadPose(table, kClose);
-    frame.blur_median_px = table.Number(kBlur, "blur_median_px");
-    frame.blur_p90_px = table.Number(kBlur + 1, "blur_p90_px");
-    frame.blur_max_px = table.Number(kBlur + 2, "blur_max_px");
     walk.frames.push_back(std::move(frame));
   }
   return walk;

@@ -14,14 +14,21 @@
 
 namespace gaitcam {
 
+/// What a recording's frames.csv says of a frame.
+struct RecordedTruth {
+  int64_t stamp_ns = 0;                                         ///< Middle of the exposure.
+  Pose X_WC_open, X_WC_close;                                   ///< Left camera at shutter open and close.
+  double blur_median_px = 0, blur_p90_px = 0, blur_max_px = 0;  ///< Path lengths over the image.
+};
+
+/// @throws BadInput naming file and line.
+std::vector<RecordedTruth> ReadRecordedTruth(const DatasetFolders& folders);
+
 /// Files are empty paths where a recording has none.
-struct RecordedFrame {
-  int64_t stamp_ns = 0;  ///< Middle of the exposure.
+struct RecordedFrame : RecordedTruth {
   double exposure_ms = 0;
   std::filesystem::path image, sharp, depth, blur;
-  Pose X_WC;                                                    ///< Left camera at mid-exposure.
-  Pose X_WC_open, X_WC_close;                                   ///< At shutter open and close.
-  double blur_median_px = 0, blur_p90_px = 0, blur_max_px = 0;  ///< Path lengths over the image.
+  Pose X_WC;  ///< Left camera at mid-exposure.
 };
 
 struct RecordedWalk {

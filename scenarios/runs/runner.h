@@ -29,8 +29,9 @@ struct RunOutcome {
 };
 
 /// Runs a scenario into a folder: estimate.txt, truth.txt (TUM format), frames.csv, scores.json, scenario.yaml
-/// (resolved), walk.mp4 and report.html; of a system that maps the floor, also the pictures map/*.png. What was filmed until a fall or an interrupt is kept and scored.
-/// Where too little was covered to score, the folder is written all the same, its scores.json saying why.
+/// (resolved), walk.mp4 and report.html; of a system that maps the floor, also the pictures map/*.png. What was filmed
+/// until a fall or an interrupt is kept and scored. Where too little was covered to score, the folder is written all
+/// the same, its scores.json saying why.
 /// @throws BadInput, MissingResource.
 RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& options);
 

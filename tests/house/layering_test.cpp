@@ -33,8 +33,7 @@ const std::map<std::string, Folders> kArrows = {
     {"algorithms/features", {"algorithms/core"}},
     {"algorithms/geometry", {"algorithms/core"}},
     {"algorithms/odometry", {"algorithms/core", "algorithms/features", "algorithms/geometry"}},
-    {"algorithms/planes",
-     {"algorithms/core", "algorithms/features", "algorithms/geometry", "algorithms/estimation"}},
+    {"algorithms/planes", {"algorithms/core", "algorithms/features", "algorithms/geometry", "algorithms/estimation"}},
     {"algorithms/places", {"algorithms/core", "algorithms/features", "algorithms/geometry"}},
     {"algorithms/estimation", {"algorithms/core"}},
     {"algorithms/slam", kAlgorithmsButIo},
@@ -44,7 +43,7 @@ const std::map<std::string, Folders> kArrows = {
     {"scenarios", kAllBelowScenarios},
     {"scenarios/runs", With(kAllBelowScenarios, {"scenarios"})},
     {"scenarios/jobs", With(kAllBelowScenarios, {"scenarios", "scenarios/runs"})},
-    {"scenarios/datasets", With(kAllBelowScenarios, {"scenarios", "scenarios/runs", "scenarios/jobs"})},
+    {"scenarios/datasets", With(kAllBelowScenarios, {"scenarios", "scenarios/runs"})},
     {"scenarios/commands",
      With(kAllBelowScenarios, {"scenarios", "scenarios/runs", "scenarios/jobs", "scenarios/datasets"})},
 };
