@@ -23,9 +23,9 @@ constexpr std::string_view kStyle = R"css(
 .maps img { display: block; width: 100%; height: auto; }
 .maps svg { position: absolute; inset: 0; width: 100%; height: 100%; }
 .maps polyline, .maps circle { fill: none; stroke-linejoin: round; stroke-linecap: round; vector-effect: non-scaling-stroke; }
-.maps .halo { stroke: rgba(0, 0, 0, .7); stroke-width: 4.5; }
-.maps .true { stroke: var(--on-map-truth); stroke-width: 2.4; }
-.maps .path { stroke: var(--on-map-path); stroke-width: 1.8; }
+.maps .halo { stroke: rgba(0, 0, 0, .7); stroke-width: 5; }
+.maps .true { stroke: var(--on-map-truth); stroke-width: 3.4; }
+.maps .path { stroke: var(--on-map-path); stroke-width: 1.5; }
 .maps .bar { position: absolute; left: .6rem; bottom: .6rem; min-width: 1px; border-bottom: 3px solid #fff; box-shadow: 0 1.5px 0 rgba(0, 0, 0, .75); }
 .maps .bar span { position: absolute; left: 0; bottom: .3rem; white-space: nowrap; font-size: .75rem; line-height: 1.3; font-weight: 600; padding: 0 .35rem; border-radius: 4px; background: rgba(0, 0, 0, .62); color: #fff; }
 .maps figcaption { padding: .5rem .2rem 0; font-size: .82rem; line-height: 1.4; color: var(--muted); }
