@@ -74,7 +74,7 @@ class Obstacles {
 
 TEST(Place, AllShippedPlacesAreListed) {
   EXPECT_THAT(ListPlaces(kModels),
-              testing::ElementsAre("corridor", "hall", "lab", "plain", "robocup_field", "tabletop"));
+              testing::ElementsAre("corridor", "floor_trials", "hall", "lab", "plain", "robocup_field", "tabletop"));
   EXPECT_TRUE(ListPlaces("/no/such/folder").empty());
 }
 
