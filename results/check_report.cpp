@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "results/html_page.h"
+
 namespace gaitcam {
 namespace {
 
@@ -75,19 +77,11 @@ int Count(const CheckReport& report, Outcome outcome) {
   return count;
 }
 
-std::string Xml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default:
-        out += (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') ? ' ' : c;  // XML 1.0 has no others
-    }
+std::string Xml(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') c = ' ';  // XML 1.0 has no others
   }
-  return out;
+  return internal::Escape(text);
 }
 
 std::string NumbersLine(const MetricVerdict& m) {
@@ -157,7 +151,15 @@ std::string CheckSummary(const CheckReport& report) {
 }
 
 std::string CheckTable(const CheckReport& report) {
-  const Rows rows = RowsOf(report);
+  std::string text = AlignedTable(RowsOf(report), {5, 6, 7, 8});
+  for (const std::string& line : LostLines(report)) text += line + "\n";
+  for (const std::string& note : report.notes) text += "note: " + note + "\n";
+  text += fmt::format("{}: {}: {} runs ({} reused) in {:.0f} s\n", report.suite, CheckSummary(report), report.runs,
+                      report.reused, report.wall_s);
+  return text;
+}
+
+std::string AlignedTable(const Rows& rows, const std::set<size_t>& numbers) {
   std::vector<size_t> widths(rows.front().size(), 0);
   for (const auto& row : rows) {
     for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
@@ -166,16 +168,11 @@ std::string CheckTable(const CheckReport& report) {
   for (const auto& row : rows) {
     std::string line;
     for (size_t i = 0; i < row.size(); ++i) {
-      const bool right = i >= 5 && i <= 8;  // numbers
-      line += right ? fmt::format("{:>{}}", row[i], widths[i]) : fmt::format("{:<{}}", row[i], widths[i]);
+      line += numbers.count(i) ? fmt::format("{:>{}}", row[i], widths[i]) : fmt::format("{:<{}}", row[i], widths[i]);
       line += "  ";
     }
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
-  for (const std::string& line : LostLines(report)) text += line + "\n";
-  for (const std::string& note : report.notes) text += "note: " + note + "\n";
-  text += fmt::format("{}: {}: {} runs ({} reused) in {:.0f} s\n", report.suite, CheckSummary(report), report.runs,
-                      report.reused, report.wall_s);
   return text;
 }
 

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ std::string CheckJson(const CheckReport& report);
 /// One test case per scenario, system and metric. What was not judged for want of pairs is an error, what was not
 /// because coverage was lost is skipped.
 std::string CheckJUnit(const CheckReport& report);
+
+/// Rows of text under each other, two blanks between columns; those of `numbers` are flush right.
+std::string AlignedTable(const std::vector<std::vector<std::string>>& rows, const std::set<size_t>& numbers = {});
 
 /// Rows of a table for Markdown: `|` in cells is escaped.
 std::string MarkdownTable(const std::vector<std::vector<std::string>>& rows);

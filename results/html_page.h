@@ -28,6 +28,7 @@ struct HtmlPage {
 /// @throws MissingResource naming the Debian package if Chart.js is not there.
 std::string PageHtml(const HtmlPage& page, const std::filesystem::path& chart_library);
 
+/// As text of HTML or XML, also within quotes.
 std::string Escape(const std::string& text);
 
 /// A picture as a data URI, no wider than `max_width_px`.

@@ -85,20 +85,6 @@ std::vector<std::vector<std::string>> RerunRows(const SelfTestResult& result) {
   return rows;
 }
 
-std::string Aligned(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<size_t> widths(rows.front().size(), 0);
-  for (const auto& row : rows) {
-    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  std::string text;
-  for (const auto& row : rows) {
-    std::string line;
-    for (size_t i = 0; i < row.size(); ++i) line += fmt::format("{:<{}}  ", row[i], widths[i]);
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-  }
-  return text;
-}
-
 std::string RatesText(const SelfTestResult& result) {
   std::string text = fmt::format("caught {} of {} worse systems", result.Caught(), result.worse.size());
   if (!result.reruns.empty()) {
@@ -158,8 +144,8 @@ SelfTestResult RunSelfTest(const Suite& suite, const Baseline& baseline, int rer
 }
 
 std::string SelfTestText(const Suite& suite, const SelfTestResult& result) {
-  std::string text = Aligned(WorseRows(result));
-  if (!result.reruns.empty()) text += "\n" + Aligned(RerunRows(result));
+  std::string text = AlignedTable(WorseRows(result));
+  if (!result.reruns.empty()) text += "\n" + AlignedTable(RerunRows(result));
   return text + fmt::format("\n{}: {}; {} runs ({} reused) in {:.0f} s\n", suite.options.name, RatesText(result),
                             result.runs, result.reused, result.wall_s);
 }
