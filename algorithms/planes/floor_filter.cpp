@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <set>
 #include <utility>
 
 #include "algorithms/core/errors.h"
@@ -32,31 +31,30 @@ struct Comparison {
   int points = 0;
 };
 
+/// An earlier picture, ready to be looked up in from the world.
+struct Lookup {
+  const FloorPatch::Level* patch;
+  PlanarPose inverse;
+  Eigen::Matrix2f R;  ///< Of its slopes into the world.
+};
+
 /// Mean of what the earlier pictures show at a place.
-template <class KnownFloor>
-std::optional<FloorPatch::Sample> LookUp(const KnownFloor& known, const Eigen::Vector2d& p) {
+std::optional<FloorPatch::Sample> LookUp(const std::vector<Lookup>& known, const Eigen::Vector2d& p) {
   FloorPatch::Sample sum;
   int count = 0;
-  for (const auto& [patch, inverse, R] : known) {
-    const std::optional<FloorPatch::Sample> sample = patch->At(inverse * p);
+  for (const Lookup& earlier : known) {
+    const std::optional<FloorPatch::Sample> sample = earlier.patch->At(earlier.inverse * p);
     if (!sample) continue;
     sum.intensity += sample->intensity;
-    sum.slope += R * sample->slope;
+    sum.slope += earlier.R * sample->slope;
     ++count;
   }
   if (count == 0) return std::nullopt;
   return FloorPatch::Sample{sum.intensity / float(count), sum.slope / float(count)};
 }
 
-/// An earlier picture, ready to be looked up in from the world.
-struct Lookup {
-  const FloorPatch* patch;
-  PlanarPose inverse;
-  Eigen::Matrix2f R;  ///< Of its slopes into the world.
-};
-
-Comparison Compare(const std::vector<Lookup>& known, const FloorPatch& patch, const PlanarPose& pose, double gain,
-                   double offset, double noise_grey) {
+Comparison Compare(const std::vector<Lookup>& known, const FloorPatch::Level& patch, const PlanarPose& pose,
+                   double gain, double offset, double noise_grey) {
   Comparison comparison;
   const Eigen::Matrix2d R = Eigen::Rotation2Dd(pose.yaw).toRotationMatrix();
   for (const FloorPatch::Point& point : patch.match) {
@@ -95,21 +93,18 @@ FloorFilter::FloorFilter(const FloorFilterOptions& options, uint64_t seed)
   particles_.assign(size_t(options.particles), {});
 }
 
-FloorFilter::Node::~Node() {
-  while (before && before.use_count() == 1) before = std::shared_ptr<const Node>(before)->before;
-}
-
 /// The nearest of the pictures that the particle took long enough ago and that lie about where it looks now.
 std::vector<FloorFilter::Known> FloorFilter::FindKnown(const Particle& particle, const PlanarPose& expected,
                                                        const FloorPatch& patch) const {
   const Eigen::Vector2d here = expected * patch.middle;
-  const double reach_m = 0.5 * patch.cell_m * std::max(patch.intensity.cols, patch.intensity.rows);
+  const double reach_m = 0.5 * patch.width_m();
   std::vector<std::pair<double, Known>> near;
-  for (const Node* node = particle.path.get(); node != nullptr; node = node->before.get()) {
-    const FloorPatch& earlier = patches_[size_t(node->step)];
-    if (way_m_.back() - way_m_[size_t(node->step)] < options_.loop_m || earlier.empty()) continue;
-    const double distance_m = (node->pose * earlier.middle - here).norm();
-    if (distance_m < reach_m) near.push_back({distance_m, {&earlier, node->pose, node->step}});
+  for (size_t step = 0; step < particle.path.size(); ++step) {
+    if (way_m_.back() - way_m_[step] < options_.loop_m) break;
+    const PlanarPose& pose = particle.path[step];
+    if ((pose.position - here).squaredNorm() > 9 * reach_m * reach_m || patches_[step].empty()) continue;
+    const double distance_m = (pose * patches_[step].middle - here).norm();
+    if (distance_m < reach_m) near.push_back({distance_m, {&patches_[step], pose, int(step)}});
   }
   std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Known> known;
@@ -117,10 +112,10 @@ std::vector<FloorFilter::Known> FloorFilter::FindKnown(const Particle& particle,
   return known;
 }
 
-/// Gauss-Newton from the expected pose to the maximum of prior times likelihood.
+/// Gauss-Newton from the expected pose to the maximum of prior times likelihood, coarse pictures first.
 FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const PlanarPose& expected,
                                            const Eigen::Matrix3d& Q, const FloorPatch& patch) const {
-  constexpr int kIterations = 8;
+  constexpr int kIterations = 6;
   constexpr double kGainSigma = 0.2, kOffsetSigma_grey = 20, kStep_m = 2e-4;
   Proposal proposal;
   proposal.pose = expected;
@@ -128,26 +123,29 @@ FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const Plana
   const std::vector<Known> pictures = FindKnown(particle, expected, patch);
   if (pictures.empty()) return proposal;
   proposal.earlier = pictures.front().step;
-  std::vector<Lookup> known;
-  for (const Known& k : pictures) {
-    known.push_back({k.patch, k.pose.Inverse(), Eigen::Rotation2Df(float(k.pose.yaw)).toRotationMatrix()});
-  }
   Matrix5 prior = Matrix5::Zero();
   prior.topLeftCorner<3, 3>() = Q.inverse();
   prior(3, 3) = std::pow(kGainSigma, -2);
   prior(4, 4) = std::pow(kOffsetSigma_grey, -2);
-  Vector5 state(0, 0, 0, 1, 0);
-  const Vector5 start = state;
+  const Vector5 start(0, 0, 0, 1, 0);
+  Vector5 state = start;
   Comparison comparison;
   Matrix5 H;
   const auto pose = [&] { return expected * PlanarPose{state.head<2>(), state[2]}; };
-  for (int i = 0; i < kIterations; ++i) {
-    comparison = Compare(known, patch, pose(), state[3], state[4], options_.noise_grey);
-    if (comparison.points < options_.min_match_points) return proposal;
-    H = options_.independent * comparison.H + prior;
-    const Vector5 step = H.ldlt().solve(options_.independent * comparison.g - prior * (state - start));
-    state += step;
-    if (step.head<2>().norm() < kStep_m && std::abs(step[2]) < kStep_m) break;
+  for (int level = FloorPatch::kLevels - 1; level >= 0; level -= 2) {
+    std::vector<Lookup> known;
+    for (const Known& k : pictures) {
+      known.push_back({&k.patch->levels[size_t(level)], k.pose.Inverse(),
+                       Eigen::Rotation2Df(float(k.pose.yaw)).toRotationMatrix()});
+    }
+    for (int i = 0; i < kIterations; ++i) {
+      comparison = Compare(known, patch.levels[size_t(level)], pose(), state[3], state[4], options_.noise_grey);
+      if (comparison.points < options_.min_match_points >> level) return proposal;
+      H = options_.independent * comparison.H + prior;
+      const Vector5 step = H.ldlt().solve(options_.independent * comparison.g - prior * (state - start));
+      state += step;
+      if (step.head<2>().norm() < kStep_m && std::abs(step[2]) < kStep_m) break;
+    }
   }
   proposal.points = comparison.points;
   proposal.log_likelihood = -0.5 * std::min(comparison.mean_rho, kWorstRho);
@@ -188,16 +186,12 @@ void FloorFilter::Move(Particle& particle, const Proposal& proposal) {
   const Eigen::Matrix3d L = proposal.covariance.llt().matrixL();
   const double nx = random_.Normal(), ny = random_.Normal(), nyaw = random_.Normal();
   const Eigen::Vector3d drawn = L * Eigen::Vector3d(nx, ny, nyaw);
-  auto node = std::make_shared<Node>();
-  node->before = particle.path;
-  node->step = int(patches_.size());
-  node->pose = proposal.pose * PlanarPose{drawn.head<2>(), drawn[2]};
   if (proposal.matched) {
-    const Node* earlier = particle.path.get();
-    while (earlier->step != proposal.earlier) earlier = earlier->before.get();
-    node->loop = FloorLoop{node->step, earlier->step, earlier->pose.Inverse() * proposal.pose, proposal.likelihood};
+    const PlanarPose& earlier = particle.path[size_t(proposal.earlier)];
+    particle.loops.push_back(
+        {int(particle.path.size()), proposal.earlier, earlier.Inverse() * proposal.pose, proposal.likelihood});
   }
-  particle.path = std::move(node);
+  particle.path.push_back(proposal.pose * PlanarPose{drawn.head<2>(), drawn[2]});
 }
 
 void FloorFilter::Step(const PlanarPose& motion, const Eigen::Matrix3d& covariance, FloorPatch patch) {
@@ -207,7 +201,7 @@ void FloorFilter::Step(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   std::vector<Proposal> proposals;
   corrected_ = 0;
   for (Particle& particle : particles_) {
-    const PlanarPose expected = (particle.path ? particle.path->pose : PlanarPose()) * motion;
+    const PlanarPose expected = (particle.path.empty() ? PlanarPose() : particle.path.back()) * motion;
     proposals.push_back(Propose(particle, expected, Q, patch));
     corrected_ += proposals.back().matched;
     Move(particle, proposals.back());
@@ -238,13 +232,6 @@ const FloorFilter::Particle& FloorFilter::Best() const {
                            [](const Particle& a, const Particle& b) { return a.log_weight < b.log_weight; });
 }
 
-std::vector<PlanarPose> FloorFilter::BestPath() const {
-  std::vector<PlanarPose> path;
-  for (const Node* node = Best().path.get(); node != nullptr; node = node->before.get()) path.push_back(node->pose);
-  std::reverse(path.begin(), path.end());
-  return path;
-}
-
 PlanarPose FloorFilter::Mean() const {
   std::vector<double> logs;
   for (const Particle& particle : particles_) logs.push_back(particle.log_weight);
@@ -252,7 +239,7 @@ PlanarPose FloorFilter::Mean() const {
   PlanarPose mean;
   Eigen::Vector2d heading = Eigen::Vector2d::Zero();
   for (size_t i = 0; i < particles_.size(); ++i) {
-    const PlanarPose pose = particles_[i].path ? particles_[i].path->pose : PlanarPose();
+    const PlanarPose pose = particles_[i].path.empty() ? PlanarPose() : particles_[i].path.back();
     mean.position += weights[i] * pose.position;
     heading += weights[i] * Eigen::Vector2d(std::cos(pose.yaw), std::sin(pose.yaw));
   }
@@ -267,21 +254,12 @@ Eigen::Matrix3d FloorFilter::Covariance() const {
   const PlanarPose mean = Mean();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (size_t i = 0; i < particles_.size(); ++i) {
-    const PlanarPose pose = particles_[i].path ? particles_[i].path->pose : PlanarPose();
+    const PlanarPose pose = particles_[i].path.empty() ? PlanarPose() : particles_[i].path.back();
     Eigen::Vector3d off;
     off << pose.position - mean.position, WrapAngle(pose.yaw - mean.yaw);
     covariance += weights[i] * off * off.transpose();
   }
   return covariance;
-}
-
-std::vector<FloorLoop> FloorFilter::BestLoops() const {
-  std::vector<FloorLoop> loops;
-  for (const Node* node = Best().path.get(); node != nullptr; node = node->before.get()) {
-    if (node->loop) loops.push_back(*node->loop);
-  }
-  std::reverse(loops.begin(), loops.end());
-  return loops;
 }
 
 std::vector<PlanarPose> FloorFilter::SmoothPath() const {
@@ -300,16 +278,11 @@ FloorPicture FloorFilter::Map(const std::vector<PlanarPose>& path) const {
 
 double FloorFilter::map_bytes() const {
   double bytes = 0;
-  for (const FloorPatch& patch : patches_) {
-    bytes += double(patch.intensity.total() + patch.match.capacity() * sizeof(FloorPatch::Point) + sizeof(FloorPatch));
-  }
-  std::set<const Node*> nodes;
+  for (const FloorPatch& patch : patches_) bytes += patch.bytes();
   for (const Particle& particle : particles_) {
-    for (const Node* node = particle.path.get(); node != nullptr; node = node->before.get()) {
-      if (!nodes.insert(node).second) break;
-    }
+    bytes += double(particle.path.capacity() * sizeof(PlanarPose) + particle.loops.capacity() * sizeof(FloorLoop));
   }
-  return bytes + double(nodes.size() * (sizeof(Node) + 2 * sizeof(void*)));
+  return bytes;
 }
 
 }  // namespace gaitcam

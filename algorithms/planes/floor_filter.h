@@ -23,7 +23,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -40,10 +39,10 @@ struct FloorFilterOptions {
 
   int particles = 100;
   double cell_m = 0.005;         ///< Of the maps.
-  double range_heights = 3.2;    ///< Floor farther from the camera is not mapped: its pixels are larger than cells.
-  double inflation = 3.0;        ///< Standard deviations of the tracked motion are so many times what it says ...
-  double drift_ratio = 0.01;     ///< ... and at least this part of the way ...
-  double drift_deg_per_m = 0.5;  ///< ... and of the turn, so much per metre.
+  double range_heights = 2.8;    ///< Floor farther from the camera is not mapped: its pixels are larger than cells.
+  double inflation = 2.0;        ///< Standard deviations of the tracked motion are so many times what it says ...
+  double drift_ratio = 0.005;    ///< ... and at least this part of the way ...
+  double drift_deg_per_m = 0.3;  ///< ... and of the turn, so much per metre.
   double loop_m = 2.0;           ///< Floor seen so much way ago, or more, corrects the pose.
   int pictures = 4;              ///< Earlier keyframes that a new one is compared with: the nearest.
   int match_points = 400;        ///< Floor points compared with the map.
@@ -88,8 +87,8 @@ class FloorFilter {
   void Step(const PlanarPose& motion, const Eigen::Matrix3d& covariance, FloorPatch patch);
 
   /// Of the heaviest particle: poses of the frames below the camera, one per step, and its loops.
-  std::vector<PlanarPose> BestPath() const;
-  std::vector<FloorLoop> BestLoops() const;
+  const std::vector<PlanarPose>& BestPath() const { return Best().path; }
+  const std::vector<FloorLoop>& BestLoops() const { return Best().loops; }
   /// The way that agrees best with all tracked motions and the heaviest particle's loops: the particles found out what
   /// belongs together; what their random draws have added on the way is taken out again.
   std::vector<PlanarPose> SmoothPath() const;
@@ -106,16 +105,9 @@ class FloorFilter {
   double map_bytes() const;
 
  private:
-  struct Node {
-    std::shared_ptr<const Node> before;
-    int step = 0;
-    PlanarPose pose;
-    std::optional<FloorLoop> loop;
-
-    ~Node();  ///< A long way's nodes one after the other, not within each other.
-  };
   struct Particle {
-    std::shared_ptr<const Node> path;
+    std::vector<PlanarPose> path;  ///< One pose per step.
+    std::vector<FloorLoop> loops;
     double log_weight = 0;
   };
   /// An earlier picture and where it lies.

@@ -24,18 +24,27 @@ struct FloorPatch {
     Eigen::Vector2f slope{0, 0};  ///< Grey levels per metre along x and y.
   };
 
-  cv::Mat intensity;  ///< CV_8UC1, column i at x = x0 + i cell, row j at y = y0 + j cell; 0: not seen.
-  double cell_m = 0, x0 = 0, y0 = 0;
-  std::vector<Point> match;      ///< Of large gradient, well spread.
+  /// The picture and ever coarser ones, for comparing from farther off.
+  struct Level {
+    cv::Mat intensity;  ///< CV_8UC1, column i at x = x0 + i cell, row j at y = y0 + j cell; 0: not seen.
+    double cell_m = 0, x0 = 0, y0 = 0;
+    std::vector<Point> match;  ///< Of large gradient, well spread.
+
+    /// Bilinear; nothing unless all four neighbours were seen.
+    std::optional<Sample> At(const Eigen::Vector2d& p) const;
+  };
+  static constexpr int kLevels = 3;  ///< Cells of each level are twice as wide as those of the one before.
+
+  std::vector<Level> levels;     ///< None if nothing was seen.
   Eigen::Vector2d middle{0, 0};  ///< Of what is seen.
 
-  bool empty() const { return match.empty(); }
-  /// Bilinear; nothing unless all four neighbours were seen.
-  std::optional<Sample> At(const Eigen::Vector2d& p) const;
+  bool empty() const { return levels.empty(); }
+  double width_m() const;  ///< Of the larger side.
+  double bytes() const;
 
   /// Pixels are averaged to cells (by the pyramid), so that near floor is not undersampled.
   /// @param mask CV_8UC1, not zero where the floor is. @param X_WC of it, height and tilt count. @param range_m floor
-  /// farther from the camera is left out. @param match_points at most.
+  /// farther from the camera is left out. @param match_points of level 0, at most.
   static FloorPatch Of(const ImagePyramid& image, const cv::Mat& mask, const CameraModel& camera, const Pose& X_WC,
                        double cell_m, double range_m, int match_points);
 };

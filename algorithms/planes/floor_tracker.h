@@ -32,9 +32,9 @@ struct FloorTrackerOptions {
   int max_lost_frames = 3;             ///< Then a new keyframe is tried.
   int min_points = 150;                ///< Pixels with texture that a keyframe needs.
   double height_sigma_ratio = 0.03;    ///< Of a walking camera's height about the standing one's.
-  double height_gain = 0.05;           ///< Part of the height's difference from standing taken back per keyframe.
-  double tilt_sigma_deg = 1.0;         ///< Of a new keyframe's plane.
-  double tilt_gain = 0.02;             ///< Part of the tilt's difference from gravity's taken back per keyframe.
+  double height_gain = 0.3;            ///< Part of the height's difference from standing taken back per keyframe.
+  double tilt_sigma_deg = 0.15;        ///< Of a new keyframe's plane.
+  double tilt_gain = 0.01;             ///< Part of the tilt's difference from gravity's taken back per keyframe.
   bool use_imu = true;                 ///< Turn by the gyroscope, up by the accelerometer, where there is one.
 };
 
