@@ -120,6 +120,7 @@ FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const Plana
   Proposal proposal;
   proposal.pose = expected;
   proposal.covariance = Q;
+  if (patch.empty()) return proposal;
   const std::vector<Known> pictures = FindKnown(particle, expected, patch);
   if (pictures.empty()) return proposal;
   proposal.earlier = pictures.front().step;

@@ -1,0 +1,148 @@
+#include "algorithms/planes/floor_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include "algorithms/core/errors.h"
+#include "tests/algorithms/planes/drawn_floor.h"
+
+namespace gaitcam {
+namespace {
+
+/// A walk: 1 cm per frame along a bend, swaying and nodding as small humanoids do.
+Pose Walking(double frame) {
+  const double way_m = 0.01 * frame, turn = 0.4 * way_m, sway = std::sin(0.5 * frame);
+  const double lateral_m = 0.006 * sway;
+  const PlanarPose below{
+      {std::sin(turn) / 0.4 - std::sin(turn) * lateral_m, (1 - std::cos(turn)) / 0.4 + std::cos(turn) * lateral_m},
+      turn + 0.01 * sway};
+  return CameraOver(below, kDrawnHeight_m + 0.003 * std::sin(frame), kDrawnPitch_rad + 0.012 * std::sin(0.9 * frame),
+                    0.02 * sway);
+}
+
+/// The tracker's world begins below the first camera.
+Pose InItsWorld(const Pose& X_WC) { return BelowCamera(Walking(0)).Inverse().ToPose() * X_WC; }
+
+TEST(FloorTracker, FollowsAWalkToHalfAPercentAndKeepsHeightAndTilt) {
+  const DrawnFloor floor(1);
+  FloorTracker tracker(DrawnCalibration(), {});
+  int keyframes = 0;
+  FloorTrack last;
+  constexpr int kFrames = 60;
+  double worst_tilt_deg = 0, worst_height_m = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    last = tracker.Track(Observe(Draw(floor, {Walking(i)}, 2, uint64_t(i)), i));
+    ASSERT_TRUE(last.tracked) << i;
+    keyframes += last.retired.has_value();
+    const Pose truth = InItsWorld(Walking(i));
+    const Eigen::Vector3d up = truth.R() * (last.X_WC.R().transpose() * Eigen::Vector3d::UnitZ());
+    worst_tilt_deg = std::max(worst_tilt_deg, std::acos(std::min(1.0, up.z())) * 180 / std::numbers::pi);
+    worst_height_m = std::max(worst_height_m, std::abs(last.X_WC.translation.z() - truth.translation.z()));
+  }
+  const Pose truth = InItsWorld(Walking(kFrames - 1));
+  // 0.59 m: the first picture's tilt is the standing one's, which is wrong by what the walk nods; 1 degree of it is
+  // worth 1 % of the way at most.
+  EXPECT_LT((last.X_WC.translation - truth.translation).head<2>().norm(), 0.006);
+  EXPECT_LT(RotationAngle(last.X_WC.rotation, truth.rotation) * 180 / std::numbers::pi, 1.5);
+  EXPECT_LT(worst_tilt_deg, 1.5);
+  EXPECT_LT(worst_height_m, 0.02 * kDrawnHeight_m);
+  EXPECT_GE(keyframes, 3);
+}
+
+TEST(FloorTracker, BlurOfASixteenthOfTheImageDoesNotLoseTheFloor) {
+  // 5 cm per frame sideways, two thirds of it during the exposure: 9.5 px of 160 in the middle, 44 cm away.
+  const DrawnFloor floor(2);
+  const auto at = [](double frame) { return CameraOver({{0, 0.05 * frame}, 0}); };
+  FloorTracker tracker(DrawnCalibration(), {});
+  FloorTrack last;
+  for (int i = 0; i < 10; ++i) {
+    std::vector<Pose> exposure;
+    for (int s = -7; s <= 7; ++s) exposure.push_back(at(i < 2 ? 0 : i - 1 + s / 15.0 * 2 / 3));
+    last = tracker.Track(Observe(Draw(floor, exposure, 1, uint64_t(i)), i, 22.2));
+    ASSERT_TRUE(last.tracked) << i;
+  }
+  EXPECT_NEAR(last.blur_px, 9.5, 0.5);
+  EXPECT_NEAR(last.X_WC.translation.y(), 0.4, 0.01);
+  EXPECT_NEAR(last.X_WC.translation.x(), 0.0, 0.01);
+}
+
+TEST(FloorTracker, WithoutTextureItIsLostAndSaysSoAndComesBack) {
+  const DrawnFloor floor(3);
+  FloorTracker tracker(DrawnCalibration(), {});
+  const cv::Mat blank(SmallCamera().height_px, SmallCamera().width_px, CV_8UC1, cv::Scalar(120));
+  int frame = 0;
+  for (; frame < 10; ++frame) ASSERT_TRUE(tracker.Track(Observe(Draw(floor, {Walking(frame)}, 1), frame)).tracked);
+  for (; frame < 25; ++frame) EXPECT_FALSE(tracker.Track(Observe(blank, frame)).tracked) << frame;
+  int tracked = 0, restarted = 0;
+  for (; frame < 40; ++frame) {
+    const FloorTrack track = tracker.Track(Observe(Draw(floor, {Walking(frame)}, 1), frame));
+    tracked += track.tracked;
+    restarted += track.restarted;
+  }
+  EXPECT_GE(tracked, 13);  // a new keyframe, and from the next frame on it tracks
+  EXPECT_EQ(restarted, 1);
+}
+
+TEST(FloorTracker, AfterALossTheWayIsUncertain) {
+  const DrawnFloor floor(4);
+  FloorTracker tracker(DrawnCalibration(), {});
+  const cv::Mat blank(SmallCamera().height_px, SmallCamera().width_px, CV_8UC1, cv::Scalar(120));
+  int frame = 0;
+  std::vector<FloorKeyframe> keyframes;
+  for (; frame < 60; ++frame) {
+    const bool hidden = frame >= 15 && frame < 30;
+    const FloorTrack track = tracker.Track(Observe(hidden ? blank : Draw(floor, {Walking(frame)}, 1), frame));
+    if (track.retired) keyframes.push_back(*track.retired);
+  }
+  double widest_m = 0, usual_m = 1e9;
+  for (size_t k = 1; k < keyframes.size(); ++k) {
+    widest_m = std::max(widest_m, std::sqrt(keyframes[k].covariance(0, 0)));
+    usual_m = std::min(usual_m, std::sqrt(keyframes[k].covariance(0, 0)));
+  }
+  EXPECT_LT(usual_m, 0.003);
+  EXPECT_GT(widest_m, 0.1);  // half a second at walking pace
+}
+
+TEST(FloorTracker, ABoxOnTheFloorIsNoPartOfIt) {
+  // Textured, 25 cm high, 0.55 m ahead, a third of the view in the end.
+  const DrawnFloor floor(5), side(6);
+  const Obstacle box = [&](const Pose& X_WC, const Eigen::Vector3d& ray) -> std::optional<double> {
+    const double distance = (0.55 - X_WC.translation.x()) / ray.x();
+    const Eigen::Vector3d p = X_WC.translation + distance * ray;
+    if (distance <= 0 || std::abs(p.y()) > 0.15 || p.z() < 0 || p.z() > 0.25) return std::nullopt;
+    return side.At({p.y(), p.z()});
+  };
+  FloorTracker tracker(DrawnCalibration(), {});
+  int judged = 0, rejected_box = 0, box_regions = 0, rejected_floor = 0;
+  for (int i = 0; i < 45; ++i) {
+    const Pose X_WC = CameraOver({{0.005 * i, 0}, 0});
+    const FloorTrack track = tracker.Track(Observe(Draw(floor, {X_WC}, 1, uint64_t(i), box), i));
+    ASSERT_TRUE(track.tracked) << i;
+    if (!track.retired) continue;
+    for (const FloorRegion& region : track.retired->regions) {
+      if (!region.judged) continue;
+      ++judged;
+      const cv::Point2d middle(region.plane.at.x + 0.5 * region.plane.at.width,
+                               region.plane.at.y + 0.5 * region.plane.at.height);
+      const Pose& X_WK = track.retired->X_WK;
+      const bool on_box = box(X_WK, X_WK.R() * tracker.camera().Unproject({middle.x, middle.y})).has_value();
+      box_regions += on_box;
+      rejected_box += on_box && !region.is_floor;
+      rejected_floor += !on_box && !region.is_floor;
+    }
+  }
+  EXPECT_GT(judged, 10);
+  EXPECT_GT(box_regions, 0);
+  EXPECT_GE(rejected_box, (box_regions + 1) / 2);
+  EXPECT_LE(rejected_floor, judged / 4);  // regions at the box's edge hold both
+}
+
+TEST(FloorTracker, AsksForWhatItNeeds) {
+  Calibration calibration = DrawnCalibration();
+  calibration.standing.reset();
+  EXPECT_THROW(FloorTracker(calibration, {}), BadInput);
+  FloorTracker tracker(DrawnCalibration(), {});
+  EXPECT_THROW(tracker.Track(Observe(cv::Mat(10, 10, CV_8UC1, cv::Scalar(0)), 0)), BadInput);
+}
+
+}  // namespace
+}  // namespace gaitcam
