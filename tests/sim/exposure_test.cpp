@@ -118,11 +118,13 @@ TEST(Exposure, NoPointMovesFurtherThanTheStepBetweenTwoSubframes) {
     for (int u = 0; u < camera.width_px; u += 7) {
       const double z = frame.truth.depth.at<float>(v, u);
       const Eigen::Vector3d p_W = frame.truth.X_WC * (z * camera.Unproject({double(u), double(v)}));
-      std::optional<Eigen::Vector2d> before;
+      Eigen::Vector2d before = Eigen::Vector2d::Zero();
+      bool was_in_view = false;
       for (const Subframe& subframe : frame.truth.subframes) {
         const auto now = camera.Project(subframe.X_WC.Inverse() * p_W);
-        if (now && before) longest = std::max(longest, (*now - *before).norm());
-        before = now;
+        if (now && was_in_view) longest = std::max(longest, (*now - before).norm());
+        was_in_view = now.has_value();
+        if (now) before = *now;
       }
     }
   }
