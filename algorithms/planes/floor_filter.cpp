@@ -17,6 +17,7 @@ namespace {
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
+constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kTail = 3;  // c of rho: beyond so many standard deviations a point hardly counts
 double Rho(double e) { return kTail * kTail * std::log1p(e * e / (kTail * kTail)); }
 double RhoWeight(double e) { return 1 / (1 + e * e / (kTail * kTail)); }
@@ -79,7 +80,7 @@ Comparison Compare(const std::vector<Lookup>& known, const FloorPatch::Level& pa
 /// What the tracker says of a motion, and what no tracker is better than.
 Eigen::Matrix3d MotionCovariance(const FloorFilterOptions& options, double moved_m, const Eigen::Matrix3d& tracked) {
   const double least_m = options.drift_ratio * moved_m + 1e-5;
-  const double least_rad = options.drift_deg_per_m * std::numbers::pi / 180 * moved_m + 1e-5;
+  const double least_rad = options.drift_deg_per_m * kDegree * moved_m + 1e-5;
   Eigen::Matrix3d Q = std::pow(options.inflation, 2) * tracked;
   Q.diagonal() += Eigen::Vector3d(least_m, least_m, least_rad).cwiseAbs2();
   return Q;
@@ -112,22 +113,17 @@ std::vector<FloorFilter::Known> FloorFilter::FindKnown(const Particle& particle,
   return known;
 }
 
-/// Gauss-Newton from the expected pose to the maximum of prior times likelihood, coarse pictures first.
-FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const PlanarPose& expected,
-                                           const Eigen::Matrix3d& Q, const FloorPatch& patch) const {
+/// Gauss-Newton from the expected pose to where the pictures agree best, coarse ones first; nothing if too few points
+/// are known or no place nearby agrees.
+std::optional<FloorFilter::Match> FloorFilter::MatchPictures(const std::vector<Known>& pictures,
+                                                             const PlanarPose& expected,
+                                                             const FloorPatch& patch) const {
   constexpr int kIterations = 6;
   constexpr double kGainSigma = 0.2, kOffsetSigma_grey = 20, kStep_m = 2e-4;
-  Proposal proposal;
-  proposal.pose = expected;
-  proposal.covariance = Q;
-  if (patch.empty()) return proposal;
-  const std::vector<Known> pictures = FindKnown(particle, expected, patch);
-  if (pictures.empty()) return proposal;
-  proposal.earlier = pictures.front().step;
-  Matrix5 prior = Matrix5::Zero();
-  prior.topLeftCorner<3, 3>() = Q.inverse();
-  prior(3, 3) = std::pow(kGainSigma, -2);
-  prior(4, 4) = std::pow(kOffsetSigma_grey, -2);
+  constexpr double kWindow_m = 0.05, kWindow_rad = 0.05;  // where to search, softly
+  Vector5 window;
+  window << kWindow_m, kWindow_m, kWindow_rad, kGainSigma, kOffsetSigma_grey;
+  const Matrix5 prior = window.cwiseAbs2().cwiseInverse().asDiagonal();
   const Vector5 start(0, 0, 0, 1, 0);
   Vector5 state = start;
   Comparison comparison;
@@ -141,25 +137,50 @@ FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const Plana
     }
     for (int i = 0; i < kIterations; ++i) {
       comparison = Compare(known, patch.levels[size_t(level)], pose(), state[3], state[4], options_.noise_grey);
-      if (comparison.points < options_.min_match_points >> level) return proposal;
+      if (comparison.points < options_.min_match_points >> level) return std::nullopt;
       H = options_.independent * comparison.H + prior;
       const Vector5 step = H.ldlt().solve(options_.independent * comparison.g - prior * (state - start));
       state += step;
       if (step.head<2>().norm() < kStep_m && std::abs(step[2]) < kStep_m) break;
     }
   }
-  proposal.points = comparison.points;
-  proposal.log_likelihood = -0.5 * std::min(comparison.mean_rho, kWorstRho);
-  proposal.matched = comparison.mean_rho < kWorstRho;
-  if (!proposal.matched) return proposal;
-  proposal.pose = pose();
-  proposal.covariance = H.inverse().topLeftCorner<3, 3>();
-  Matrix5 alone = options_.independent * comparison.H;
-  alone.diagonal() += Vector5(1, 1, 1, prior(3, 3), prior(4, 4));  // as good as nothing on the pose
-  proposal.likelihood = alone.inverse().topLeftCorner<3, 3>();
-  const Eigen::Vector3d moved = state.head<3>();
-  proposal.log_prior = -0.5 * moved.dot(prior.topLeftCorner<3, 3>() * moved) +
-                       0.5 * std::log(proposal.covariance.determinant() / Q.determinant());
+  Match match;
+  match.moved = state.head<3>();
+  match.covariance = H.inverse().topLeftCorner<3, 3>();
+  match.covariance.diagonal() +=
+      Eigen::Vector3d(std::pow(options_.match_sigma_m, 2), std::pow(options_.match_sigma_m, 2),
+                      std::pow(options_.match_sigma_deg * kDegree, 2));
+  match.points = comparison.points;
+  match.mean_rho = comparison.mean_rho;
+  return match;
+}
+
+/// The tracked motion's Gaussian times the likelihood's.
+FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const PlanarPose& expected,
+                                           const Eigen::Matrix3d& Q, const FloorPatch& patch) const {
+  Proposal proposal;
+  proposal.pose = expected;
+  proposal.covariance = Q;
+  if (patch.empty()) return proposal;
+  const std::vector<Known> pictures = FindKnown(particle, expected, patch);
+  if (pictures.empty()) return proposal;
+  const std::optional<Match> match = MatchPictures(pictures, expected, patch);
+  if (!match) return proposal;
+  proposal.points = match->points;
+  proposal.log_likelihood = -0.5 * std::min(match->mean_rho, kWorstRho);
+  if (match->mean_rho >= kWorstRho) return proposal;
+  const Eigen::Matrix3d both = Q + match->covariance;
+  const Eigen::Matrix3d gain = Q * both.inverse();  // as Kalman's
+  const Eigen::Vector3d moved = gain * match->moved;
+  proposal.pose = expected * PlanarPose{moved.head<2>(), moved[2]};
+  const Eigen::Matrix3d rest = (Eigen::Matrix3d::Identity() - gain) * Q;
+  proposal.covariance = 0.5 * (rest + rest.transpose());
+  proposal.log_prior = -0.5 * match->moved.dot(both.inverse() * match->moved) +
+                       0.5 * std::log(match->covariance.determinant() / both.determinant());
+  const PlanarPose matched = expected * PlanarPose{match->moved.head<2>(), match->moved[2]};
+  const Known& nearest = pictures.front();
+  proposal.loop =
+      FloorLoop{int(particle.path.size()), nearest.step, nearest.pose.Inverse() * matched, match->covariance};
   return proposal;
 }
 
@@ -187,11 +208,7 @@ void FloorFilter::Move(Particle& particle, const Proposal& proposal) {
   const Eigen::Matrix3d L = proposal.covariance.llt().matrixL();
   const double nx = random_.Normal(), ny = random_.Normal(), nyaw = random_.Normal();
   const Eigen::Vector3d drawn = L * Eigen::Vector3d(nx, ny, nyaw);
-  if (proposal.matched) {
-    const PlanarPose& earlier = particle.path[size_t(proposal.earlier)];
-    particle.loops.push_back(
-        {int(particle.path.size()), proposal.earlier, earlier.Inverse() * proposal.pose, proposal.likelihood});
-  }
+  if (proposal.loop) particle.loops.push_back(*proposal.loop);
   particle.path.push_back(proposal.pose * PlanarPose{drawn.head<2>(), drawn[2]});
 }
 
@@ -204,7 +221,7 @@ void FloorFilter::Step(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   for (Particle& particle : particles_) {
     const PlanarPose expected = (particle.path.empty() ? PlanarPose() : particle.path.back()) * motion;
     proposals.push_back(Propose(particle, expected, Q, patch));
-    corrected_ += proposals.back().matched;
+    corrected_ += proposals.back().loop.has_value();
     Move(particle, proposals.back());
   }
   const int step = int(patches_.size());

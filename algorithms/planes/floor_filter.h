@@ -10,7 +10,7 @@
 ///
 /// Proposal and weight. The tracked motion is a Gaussian N(m, Q) about each particle's last pose (Eq. 6.21). Where a
 /// particle's map holds floor that it saw long ago, the pose is drawn from N(m, Q) times the likelihood of the
-/// image given that map instead, approximated about its maximum (Gauss-Newton), and the weight is the mass of that
+/// image given that map instead, a Gaussian about its maximum (Gauss-Newton), and the weight is the mass of that
 /// product: a filter that samples where its particles survive. Elsewhere N(m, Q) is drawn from and weights stay.
 ///
 /// Likelihood (instead of Eq. 6.22, a plain sum of differences). Each of n floor points that the map knows has a
@@ -40,15 +40,17 @@ struct FloorFilterOptions {
   int particles = 100;
   double cell_m = 0.005;         ///< Of the maps.
   double range_heights = 2.8;    ///< Floor farther from the camera is not mapped: its pixels are larger than cells.
-  double inflation = 2.0;        ///< Standard deviations of the tracked motion are so many times what it says ...
+  double inflation = 1.5;        ///< Standard deviations of the tracked motion are so many times what it says ...
   double drift_ratio = 0.005;    ///< ... and at least this part of the way ...
   double drift_deg_per_m = 0.3;  ///< ... and of the turn, so much per metre.
   double loop_m = 2.0;           ///< Floor seen so much way ago, or more, corrects the pose.
   int pictures = 4;              ///< Earlier keyframes that a new one is compared with: the nearest.
   int match_points = 400;        ///< Floor points compared with the map.
   int min_match_points = 80;     ///< Fewer in known floor say nothing.
+  double match_sigma_m = 0.003;  ///< Least standard deviation of a match: pictures are rectified only so well.
+  double match_sigma_deg = 0.2;
   double noise_grey = 8.0;
-  double independent = 0.1;     ///< Part of the points that the likelihood counts.
+  double independent = 0.05;    ///< Part of the points that the likelihood counts.
   double resample_ratio = 0.5;  ///< A smaller effective part of the particles is drawn anew.
 };
 
@@ -64,6 +66,8 @@ void VisitFields(Visitor& visit, FloorFilterOptions& o) {
   visit("pictures", o.pictures, Between(1, 1000), "earlier keyframes that a new one is compared with");
   visit("match_points", o.match_points, Between(10, 100000), "floor points compared with the map");
   visit("min_match_points", o.min_match_points, Between(4, 100000), "fewer in known floor say nothing");
+  visit("match_sigma_m", o.match_sigma_m, Between(1e-5, 1.0), "least standard deviation of a match");
+  visit("match_sigma_deg", o.match_sigma_deg, Between(1e-3, 90.0), "least standard deviation of a match");
   visit("noise_grey", o.noise_grey, Between(0.1, 255.0), "standard deviation of a floor point's residual");
   visit("independent", o.independent, Between(1e-4, 1.0), "part of the points that the likelihood counts");
   visit("resample_ratio", o.resample_ratio, Between(0.0, 1.0), "a smaller effective part is drawn anew");
@@ -116,19 +120,26 @@ class FloorFilter {
     PlanarPose pose;
     int step;
   };
+  /// Where the pictures agree best, alone.
+  struct Match {
+    Eigen::Vector3d moved;       ///< x, y (m), yaw (rad) from the expected pose, in its frame ...
+    Eigen::Matrix3d covariance;  ///< ... as are these.
+    int points = 0;
+    double mean_rho = 0;
+  };
   /// Where a particle may be after a motion.
   struct Proposal {
     PlanarPose pose;
-    Eigen::Matrix3d covariance;  ///< In the frame of `pose`.
-    int points = 0;              ///< Compared with floor seen long ago; 0: too few, and nothing below is set.
-    Eigen::Matrix3d likelihood;  ///< Covariance by the likelihood alone.
-    bool matched = false;        ///< They agree with it: `pose` and `covariance` are those of prior times likelihood.
-    int earlier = 0;             ///< Step of the nearest picture.
-    double log_likelihood = 0;   ///< Per point.
-    double log_prior = 0;        ///< At `pose`, and the volume of the product: with it, the logarithm of its mass.
+    Eigen::Matrix3d covariance;     ///< In the frame of `pose`.
+    int points = 0;                 ///< Compared with floor seen long ago; 0: too few, and nothing below is set.
+    double log_likelihood = 0;      ///< Per point, at its best.
+    double log_prior = 0;           ///< With it, the logarithm of the product's mass.
+    std::optional<FloorLoop> loop;  ///< Set if they agree.
   };
 
   std::vector<Known> FindKnown(const Particle& particle, const PlanarPose& expected, const FloorPatch& patch) const;
+  std::optional<Match> MatchPictures(const std::vector<Known>& pictures, const PlanarPose& expected,
+                                     const FloorPatch& patch) const;
   Proposal Propose(const Particle& particle, const PlanarPose& expected, const Eigen::Matrix3d& Q,
                    const FloorPatch& patch) const;
   void Move(Particle& particle, const Proposal& proposal);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/planes/alignment_image.h"
 
 namespace gaitcam {
 namespace {
@@ -44,6 +45,17 @@ Eigen::Matrix3d PlanarCovariance(const Eigen::Matrix<double, 6, 6>& of_x, const 
   J.topRightCorner<2, 3>() = (R * cross).topRows<2>();
   J.bottomRightCorner<1, 3>() = -R.row(2);
   return J * of_x * J.transpose();
+}
+
+/// Of the regions that were judged, the part that lies on the floor, by area.
+double FloorRatio(const FloorKeyframe& keyframe) {
+  double floor = 0, all = 0;
+  for (const FloorRegion& region : keyframe.regions) {
+    if (!region.judged || region.plane.kind != PutativePlane::Kind::kTexture) continue;
+    all += region.plane.area_px;
+    floor += region.is_floor ? region.plane.area_px : 0;
+  }
+  return all == 0 ? 1 : floor / all;
 }
 
 }  // namespace
@@ -153,7 +165,8 @@ void FloorTracker::MakeKeyframe(int64_t stamp_ns, const Pose& X_WC, const Exposu
   Keyframe keyframe;
   keyframe.mask = FloorMask(X_WC);
   if (!rejected.empty()) keyframe.mask.setTo(0, rejected);
-  keyframe.reference = aligner_.MakeReference(grey_, keyframe.mask);
+  keyframe.grey = grey_;
+  keyframe.reference = aligner_.MakeReference(AlignmentImage(grey_), keyframe.mask);
   keyframe.reference.blur = blur;
   keyframe.regions = FindPutativePlanes(grey_, options_.regions.putative);
   keyframe.plane = PlaneOf(X_WC);
@@ -164,8 +177,13 @@ void FloorTracker::MakeKeyframe(int64_t stamp_ns, const Pose& X_WC, const Exposu
 
 /// @param now where the last keyframe's floor is seen at last; null if it was not seen again.
 FloorKeyframe FloorTracker::Retire(const PlaneState* now, const CurrentBlur& blur) const {
-  FloorKeyframe retired{keyframe_->stamp_ns, keyframe_->reference.pyramid, keyframe_->mask.clone(),
-                        keyframe_->X_WK,     keyframe_->covariance,        {}};
+  constexpr int kLevels = 3;  // pixels near the camera are finer than a map's cells
+  FloorKeyframe retired;
+  retired.stamp_ns = keyframe_->stamp_ns;
+  retired.image = ImagePyramid::Of(keyframe_->grey, kLevels);
+  retired.floor = keyframe_->mask.clone();
+  retired.X_WK = keyframe_->X_WK;
+  retired.covariance = keyframe_->covariance;
   if (now == nullptr) return retired;
   retired.X_WK = Upright(keyframe_->X_WK, -now->normal_d.normalized(), 1 / now->normal_d.norm());
   retired.regions =
@@ -216,11 +234,12 @@ void FloorTracker::Start(const Observation& observation) {
 }
 
 /// After a loss: begins anew where the camera is guessed to be. Whether this image shows floor, the next ones tell.
-void FloorTracker::Restart(const Observation& observation, const Pose& X_WC) {
+void FloorTracker::Restart(const Observation& observation, const Pose& X_WC, const cv::Mat& rejected) {
   constexpr double kSpeed_m_s = 0.3, kTurn_rad_s = 0.5, kGyroTurn_rad_s = 0.02;
   const double gone_s = double(observation.stamp_ns - tracked_ns_) * 1e-9;
   const double turn_rad_s = imu_.empty() ? kTurn_rad_s : kGyroTurn_rad_s;
-  MakeKeyframe(observation.stamp_ns, Corrected(X_WC), ExposureMotion::Zero(), {});
+  const Pose upright = Upright(X_WC, up_C_.value_or(calibration_.standing->up_C), calibration_.standing->height_m);
+  MakeKeyframe(observation.stamp_ns, upright, ExposureMotion::Zero(), rejected);
   const Eigen::Vector3d sigma = gone_s * Eigen::Vector3d(kSpeed_m_s, kSpeed_m_s, turn_rad_s);
   keyframe_->covariance = sigma.cwiseAbs2().asDiagonal();
 }
@@ -237,6 +256,15 @@ FloorTrack FloorTracker::Accept(const PlaneAlignment& found, const CurrentBlur& 
   const Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ() / std::max(0.1 * n_d.norm(), (found.state.X_CR.R() * n_d).z());
   track.blur_px = camera_.fx / ahead.z() * (motion.head<3>() + motion.tail<3>().cross(ahead)).head<2>().norm();
   return track;
+}
+
+/// Whoever takes something else for the floor soon leans, rises or sinks.
+bool FloorTracker::IsPlausible(const FloorTrack& track) const {
+  const StandingCamera& standing = *calibration_.standing;
+  const Eigen::Vector3d up_C = track.X_WC.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const double lean = std::acos(std::clamp(up_C.dot(up_C_.value_or(standing.up_C)), -1.0, 1.0));
+  return lean < options_.max_tilt_deg * kDegree &&
+         std::abs(track.X_WC.translation.z() / standing.height_m - 1) < options_.max_height_ratio;
 }
 
 bool FloorTracker::IsDue(const FloorTrack& track, double inside_ratio) const {
@@ -264,26 +292,41 @@ FloorTrack FloorTracker::Follow(const Observation& observation, const Rotation& 
 
   const PlaneAlignment found = aligner_.Align(keyframe_->reference, image_, guess, prior, blur);
   FloorTrack track;
-  track.X_WC = predicted;
-  if (found.converged && found.correlation >= options_.min_correlation) {
-    track = Accept(found, blur);
-    ++keyframe_->tracked_frames;
-    if (IsDue(track, found.inside_ratio)) {
-      track.retired = Retire(&found.state, blur);
-      const cv::Mat rejected = CarryRejected(*track.retired, found.state);
-      track.X_WC = Corrected(track.X_WC);
-      MakeKeyframe(observation.stamp_ns, track.X_WC, blur.Motion(found.state.X_CR), rejected);
-      keyframe_->covariance = track.covariance;
-    }
-  }
   track.points = int(keyframe_->reference.points.front().size());
   track.inliers = found.inliers;
+  const FloorTrack candidate = Accept(found, blur);
+  if (found.converged && found.correlation >= options_.min_correlation && track.points >= options_.min_points &&
+      IsPlausible(candidate)) {
+    track = candidate;
+    track.points = int(keyframe_->reference.points.front().size());
+    track.inliers = found.inliers;
+    ++keyframe_->tracked_frames;
+    if (IsDue(track, found.inside_ratio)) Succeed(observation, found.state, blur, track);
+  } else {
+    track.X_WC = predicted;
+  }
   return track;
+}
+
+/// The frame becomes the next keyframe, if the last one turns out to have shown floor.
+void FloorTracker::Succeed(const Observation& observation, const PlaneState& now, const CurrentBlur& blur,
+                           FloorTrack& track) {
+  FloorKeyframe retired = Retire(&now, blur);
+  rejected_ = CarryRejected(retired, now);
+  if (FloorRatio(retired) < options_.min_floor_ratio) {  // it was something else that was followed
+    track.tracked = false;
+    lost_frames_ = std::max(lost_frames_, options_.max_lost_frames);
+    return;
+  }
+  track.retired = std::move(retired);
+  track.X_WC = Corrected(track.X_WC);
+  MakeKeyframe(observation.stamp_ns, track.X_WC, blur.Motion(now.X_CR), rejected_);
+  keyframe_->covariance = track.covariance;
 }
 
 FloorTrack FloorTracker::Track(const Observation& observation) {
   grey_ = Undistort(observation.image.pixels);
-  image_ = aligner_.MakePyramid(grey_);
+  image_ = aligner_.MakePyramid(AlignmentImage(grey_));
   const Rotation turned = Integrate(observation);
   FollowGravity(observation);
   FloorTrack track;
@@ -296,8 +339,9 @@ FloorTrack FloorTracker::Track(const Observation& observation) {
   } else {
     track = Follow(observation, turned);
     if (!track.tracked && ++lost_frames_ > options_.max_lost_frames) {
-      if (keyframe_->tracked_frames > 0) track.retired = Retire(nullptr, {});
-      Restart(observation, track.X_WC);
+      if (keyframe_->tracked_frames > 0 && rejected_.empty()) track.retired = Retire(nullptr, {});
+      Restart(observation, track.X_WC, rejected_);
+      rejected_.release();
       X_last_ = Pose();
     }
   }

@@ -28,8 +28,11 @@ struct FloorTrackerOptions {
   double keyframe_move_heights = 0.4;  ///< A keyframe is made after a move by so many camera heights ...
   double keyframe_turn_deg = 12;       ///< ... or a turn by so much ...
   double keyframe_inside_ratio = 0.6;  ///< ... or when less of the last one is still in view.
-  double min_correlation = 0.7;        ///< With the keyframe; less: the frame is lost.
+  double min_correlation = 0.8;        ///< With the keyframe; less: the frame is lost.
   int max_lost_frames = 3;             ///< Then a new keyframe is tried.
+  double max_height_ratio = 0.2;       ///< A camera this much higher or lower than standing is lost ...
+  double max_tilt_deg = 10;            ///< ... or one that leans so from what gravity, or standing upright, says ...
+  double min_floor_ratio = 0.5;        ///< ... or whose view is floor to a smaller part.
   int min_points = 150;                ///< Pixels with texture that a keyframe needs.
   double height_sigma_ratio = 0.03;    ///< Of a walking camera's height about the standing one's.
   double height_gain = 0.3;            ///< Part of the height's difference from standing taken back per keyframe.
@@ -49,6 +52,9 @@ void VisitFields(Visitor& visit, FloorTrackerOptions& o) {
         "a smaller part of the last keyframe in view makes a new one");
   visit("min_correlation", o.min_correlation, Between(0.0, 1.0), "with the keyframe; less: lost");
   visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "lost frames until a new keyframe is tried");
+  visit("max_height_ratio", o.max_height_ratio, Between(0.01, 10.0), "higher or lower than standing: lost");
+  visit("max_tilt_deg", o.max_tilt_deg, Between(0.1, 90.0), "from what gravity or standing upright says: lost");
+  visit("min_floor_ratio", o.min_floor_ratio, Between(0.0, 1.0), "a smaller part of what is seen is floor: lost");
   visit("min_points", o.min_points, Between(30, 100000), "textured pixels that a keyframe needs");
   visit("height_sigma_ratio", o.height_sigma_ratio, Between(1e-6, 1.0), "of a walking camera's height");
   visit("height_gain", o.height_gain, Between(0.0, 1.0), "part of the difference from standing taken back");
@@ -60,7 +66,7 @@ void VisitFields(Visitor& visit, FloorTrackerOptions& o) {
 /// A keyframe that has served: what it shows of the floor is known now.
 struct FloorKeyframe {
   int64_t stamp_ns = 0;
-  ImagePyramid image;  ///< Undistorted.
+  ImagePyramid image;  ///< Undistorted, as the camera shows it.
   cv::Mat floor;       ///< CV_8UC1: not zero where it shows floor.
   Pose X_WK;
   /// Of the position (m) and yaw (rad) of the frame below the camera, in itself, since the keyframe before.
@@ -98,6 +104,7 @@ class FloorTracker {
  private:
   struct Keyframe {
     PlaneReference reference;
+    cv::Mat grey;  ///< Undistorted, as the camera shows it.
     std::vector<PutativePlane> regions;
     cv::Mat mask;      ///< Where it is compared.
     PlaneState plane;  ///< Its normal.
@@ -114,9 +121,11 @@ class FloorTracker {
   Rotation Integrate(const Observation& observation);
   void FollowGravity(const Observation& observation);
   void Start(const Observation& observation);
-  void Restart(const Observation& observation, const Pose& X_WC);
+  void Restart(const Observation& observation, const Pose& X_WC, const cv::Mat& rejected);
   FloorTrack Follow(const Observation& observation, const Rotation& turned);
+  void Succeed(const Observation& observation, const PlaneState& now, const CurrentBlur& blur, FloorTrack& track);
   FloorTrack Accept(const PlaneAlignment& found, const CurrentBlur& blur) const;
+  bool IsPlausible(const FloorTrack& track) const;
   bool IsDue(const FloorTrack& track, double inside_ratio) const;
   FloorKeyframe Retire(const PlaneState* now, const CurrentBlur& blur) const;
   cv::Mat CarryRejected(const FloorKeyframe& retired, const PlaneState& now) const;
@@ -135,6 +144,7 @@ class FloorTracker {
   Pose X_WC_, X_last_;  ///< Of the last frame; its motion from the one before it (X of points).
   int64_t last_ns_ = 0, tracked_ns_ = 0;
   int lost_frames_ = 0;
+  cv::Mat rejected_;  ///< What the last keyframe saw that was no floor, where it is now.
   std::vector<ImuSample> imu_;
   std::optional<Eigen::Vector3d> up_C_;  ///< As the IMU has it.
 };

@@ -294,35 +294,45 @@ void DescribeCovariance(const Equations& e, const PlaneState& state, const Eigen
 /// The pixels of largest gradient, spread over the image: every block gives its best one before any gives a second.
 std::vector<Eigen::Vector2d> ChoosePoints(const PyramidLevel& level, const cv::Mat& mask, size_t k, size_t most) {
   constexpr float kLeastGradient_grey = 1;  // per pixel; flat ground says nothing
-  constexpr int kBlock_px = 8;
+  constexpr int kBlock_px = 8, kMargin_px = 2;
   struct Candidate {
-    int rank;
     float strength;
-    Eigen::Vector2d p;
+    uint16_t u, v;
+    bool operator<(const Candidate& b) const {  // the stronger, then the upper, left one first
+      return strength != b.strength ? strength > b.strength : std::pair(v, u) < std::pair(b.v, b.u);
+    }
   };
   const int blocks_across = level.width() / kBlock_px + 1;
   std::vector<std::vector<Candidate>> blocks(size_t(blocks_across) * size_t(level.height() / kBlock_px + 1));
-  for (int v = 2; v < level.height() - 2; ++v) {
+  for (int v = kMargin_px; v < level.height() - kMargin_px; ++v) {
     const uchar* inside = mask.ptr<uchar>(std::min(v << k, mask.rows - 1));
     const cv::Vec3f* row = level.samples.ptr<cv::Vec3f>(v);
-    for (int u = 2; u < level.width() - 2; ++u) {
+    for (int u = kMargin_px; u < level.width() - kMargin_px; ++u) {
       if (inside[std::min(u << k, mask.cols - 1)] == 0) continue;
       const float strength = row[u][1] * row[u][1] + row[u][2] * row[u][2];
       if (strength < kLeastGradient_grey * kLeastGradient_grey) continue;
-      blocks[size_t(v / kBlock_px * blocks_across + u / kBlock_px)].push_back({0, strength, {u, v}});
+      std::vector<Candidate>& block = blocks[size_t(v / kBlock_px * blocks_across + u / kBlock_px)];
+      if (block.empty()) block.reserve(kBlock_px * kBlock_px);
+      block.push_back({strength, uint16_t(u), uint16_t(v)});
     }
   }
-  std::vector<Candidate> all;
-  for (std::vector<Candidate>& block : blocks) {
-    std::stable_sort(block.begin(), block.end(), [](const auto& a, const auto& b) { return a.strength > b.strength; });
-    for (size_t i = 0; i < block.size(); ++i) block[i].rank = int(i);
-    all.insert(all.end(), block.begin(), block.end());
-  }
-  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
-    return a.rank != b.rank ? a.rank < b.rank : a.strength > b.strength;
-  });
   std::vector<Eigen::Vector2d> points;
-  for (size_t i = 0; i < std::min(most, all.size()); ++i) points.push_back(all[i].p);
+  points.reserve(most);
+  std::vector<Candidate> round;
+  for (size_t rank = 0; points.size() < most; ++rank) {
+    round.clear();
+    for (std::vector<Candidate>& block : blocks) {
+      if (block.size() <= rank) continue;
+      std::iter_swap(block.begin() + long(rank), std::min_element(block.begin() + long(rank), block.end()));
+      round.push_back(block[rank]);
+    }
+    if (round.empty()) break;
+    if (round.size() > most - points.size()) {
+      std::nth_element(round.begin(), round.begin() + long(most - points.size()), round.end());
+      round.resize(most - points.size());
+    }
+    for (const Candidate& c : round) points.emplace_back(c.u, c.v);
+  }
   return points;
 }
 

@@ -41,6 +41,7 @@ class FloorSlam {
   FloorPicture Floor() const { return filter_.Map(filter_.SmoothPath()); }
 
   const FloorFilter& filter() const { return filter_; }
+  const std::vector<int64_t>& keyframe_stamps() const { return keyframe_ns_; }
 
  private:
   struct Record {
