@@ -9,24 +9,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-Eigen::Vector2d Rotate(const Eigen::Vector2d& v, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
-}
-
 }  // namespace
-
-PlanarPose PlanarPose::Inverse() const { return {-Rotate(position, -heading), -heading}; }
-
-Pose PlanarPose::Lifted(double z) const { return {RotZ(heading), Eigen::Vector3d(position.x(), position.y(), z)}; }
-
-PlanarPose operator*(const PlanarPose& X_AB, const PlanarPose& X_BC) {
-  return {X_AB * X_BC.position, X_AB.heading + X_BC.heading};
-}
-
-Eigen::Vector2d operator*(const PlanarPose& X_AB, const Eigen::Vector2d& p_B) {
-  return X_AB.position + Rotate(p_B, X_AB.heading);
-}
 
 PlanarPose PathSegment::At(double s) const {
   // Constant curvature k: chord 2/k sin(k s / 2) in the direction of half the turn.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "algorithms/core/fields.h"
+#include "algorithms/core/planar_pose.h"
 #include "algorithms/core/pose.h"
 
 namespace gaitcam {
@@ -47,24 +48,6 @@ void VisitFields(Visitor& visit, PathOptions& o) {
   visit("feedback", o.feedback, OneOf({"truth", "odometry", "none"}), "what corrects the robot's course");
   visit("settle_s", o.settle_s, Between(0.2, 60.0), "standing still before the first and after the last step");
 }
-
-/// A pose on the floor: position in m and heading in rad (not wrapped: a full circle ends at 2 pi).
-struct PlanarPose {
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  double heading = 0;
-
-  PlanarPose() = default;
-  PlanarPose(const Eigen::Vector2d& p, double h) : position(p), heading(h) {}
-  /// Drops height, roll and pitch.
-  explicit PlanarPose(const Pose& pose) : position(pose.translation.head<2>()), heading(pose.Yaw()) {}
-
-  PlanarPose Inverse() const;
-  /// The rigid motion as a 3D pose at height `z`.
-  Pose Lifted(double z) const;
-};
-
-PlanarPose operator*(const PlanarPose& X_AB, const PlanarPose& X_BC);
-Eigen::Vector2d operator*(const PlanarPose& X_AB, const Eigen::Vector2d& p_B);
 
 /// A piece of constant curvature; with length 0, a turn on the spot.
 struct PathSegment {

@@ -1,35 +1,37 @@
-/// Motions within the plane z = 0: where something stands and which way it faces.
+/// Poses on the floor, the plane z = 0: where something stands and which way it faces.
 
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
-#include <cmath>
 
 #include "algorithms/core/pose.h"
 
 namespace gaitcam {
 
+/// A pose on the floor: position in m and heading in rad (not wrapped: a full circle ends at 2 pi).
 struct PlanarPose {
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< m
-  double yaw = 0;                                      ///< rad, any multiple of 2 pi added.
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double heading = 0;
 
-  PlanarPose operator*(const PlanarPose& next) const {
-    return {position + Eigen::Rotation2Dd(yaw) * next.position, yaw + next.yaw};
-  }
-  Eigen::Vector2d operator*(const Eigen::Vector2d& p) const { return position + Eigen::Rotation2Dd(yaw) * p; }
-  PlanarPose Inverse() const { return {-(Eigen::Rotation2Dd(-yaw) * position), -yaw}; }
-  Pose ToPose() const {
-    return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), {position.x(), position.y(), 0}};
-  }
+  PlanarPose() = default;
+  PlanarPose(const Eigen::Vector2d& p, double h) : position(p), heading(h) {}
+  /// Drops height, roll and pitch.
+  explicit PlanarPose(const Pose& pose) : position(pose.translation.head<2>()), heading(pose.Yaw()) {}
+
+  PlanarPose Inverse() const;
+  /// The rigid motion as a 3D pose at height `z`.
+  Pose Lifted(double z = 0) const;
 };
+
+PlanarPose operator*(const PlanarPose& X_AB, const PlanarPose& X_BC);
+Eigen::Vector2d operator*(const PlanarPose& X_AB, const Eigen::Vector2d& p_B);
+
+/// `v` turned to the left by `angle` rad.
+Eigen::Vector2d Rotate(const Eigen::Vector2d& v, double angle);
 
 /// The frame on the floor below a camera (x right, y down, z forward): x along its view. What remains of X_WC after it
 /// is height and tilt alone.
 /// @pre the camera does not look straight up or down.
-inline PlanarPose BelowCamera(const Pose& X_WC) {
-  const Eigen::Vector3d forward = X_WC.rotation * Eigen::Vector3d::UnitZ();
-  return {X_WC.translation.head<2>(), std::atan2(forward.y(), forward.x())};
-}
+PlanarPose BelowCamera(const Pose& X_WC);
 
 }  // namespace gaitcam

@@ -25,8 +25,8 @@ struct Difference {
     // The difference of the places, seen from `from`, then turned into the frame of `to` as it was measured.
     const T dx = cos(from[2]) * x + sin(from[2]) * y - motion.position.x();
     const T dy = -sin(from[2]) * x + cos(from[2]) * y - motion.position.y();
-    const double c = cos(motion.yaw), s = sin(motion.yaw);
-    const T turn = to[2] - from[2] - motion.yaw;
+    const double c = cos(motion.heading), s = sin(motion.heading);
+    const T turn = to[2] - from[2] - motion.heading;
     const Eigen::Matrix<T, 3, 1> off(c * dx + s * dy, -s * dx + c * dy, turn);
     Eigen::Map<Eigen::Matrix<T, 3, 1>> whitened(residual);
     whitened = root_information.cast<T>() * off;
@@ -38,15 +38,15 @@ struct Difference {
 
 std::vector<PlanarPose> SolvePlanarGraph(const std::vector<PlanarPose>& start, const std::vector<PlanarEdge>& edges) {
   std::vector<std::array<double, 3>> poses;
-  for (const PlanarPose& pose : start) poses.push_back({pose.position.x(), pose.position.y(), pose.yaw});
+  for (const PlanarPose& pose : start) poses.push_back({pose.position.x(), pose.position.y(), pose.heading});
   ceres::Problem problem;
   for (const PlanarEdge& edge : edges) {
     GAITCAM_ASSERT(edge.from >= 0 && edge.to >= 0 && size_t(std::max(edge.from, edge.to)) < start.size());
     const Eigen::Matrix3d root = Eigen::Matrix3d(edge.covariance.inverse()).llt().matrixU();
     Difference difference{edge.motion, root};
     // Whole turns do not count between places met twice.
-    const double turn = start[size_t(edge.to)].yaw - start[size_t(edge.from)].yaw;
-    difference.motion.yaw = turn + WrapAngle(edge.motion.yaw - turn);
+    const double turn = start[size_t(edge.to)].heading - start[size_t(edge.from)].heading;
+    difference.motion.heading = turn + WrapAngle(edge.motion.heading - turn);
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Difference, 3, 3, 3>(new Difference(difference)),
                              edge.may_be_wrong ? new ceres::CauchyLoss(3) : nullptr, poses[size_t(edge.from)].data(),
                              poses[size_t(edge.to)].data());

@@ -57,7 +57,7 @@ std::optional<FloorPatch::Sample> LookUp(const std::vector<Lookup>& known, const
 Comparison Compare(const std::vector<Lookup>& known, const FloorPatch::Level& patch, const PlanarPose& pose,
                    double gain, double offset, double noise_grey) {
   Comparison comparison;
-  const Eigen::Matrix2d R = Eigen::Rotation2Dd(pose.yaw).toRotationMatrix();
+  const Eigen::Matrix2d R = Eigen::Rotation2Dd(pose.heading).toRotationMatrix();
   for (const FloorPatch::Point& point : patch.match) {
     const std::optional<FloorPatch::Sample> there = LookUp(known, pose.position + R * point.p);
     if (!there) continue;
@@ -133,7 +133,7 @@ std::optional<FloorFilter::Match> FloorFilter::MatchPictures(const std::vector<K
     std::vector<Lookup> known;
     for (const Known& k : pictures) {
       known.push_back({&k.patch->levels[size_t(level)], k.pose.Inverse(),
-                       Eigen::Rotation2Df(float(k.pose.yaw)).toRotationMatrix()});
+                       Eigen::Rotation2Df(float(k.pose.heading)).toRotationMatrix()});
     }
     for (int i = 0; i < kIterations; ++i) {
       comparison = Compare(known, patch.levels[size_t(level)], pose(), state[3], state[4], options_.noise_grey);
@@ -259,9 +259,9 @@ PlanarPose FloorFilter::Mean() const {
   for (size_t i = 0; i < particles_.size(); ++i) {
     const PlanarPose pose = particles_[i].path.empty() ? PlanarPose() : particles_[i].path.back();
     mean.position += weights[i] * pose.position;
-    heading += weights[i] * Eigen::Vector2d(std::cos(pose.yaw), std::sin(pose.yaw));
+    heading += weights[i] * Eigen::Vector2d(std::cos(pose.heading), std::sin(pose.heading));
   }
-  mean.yaw = std::atan2(heading.y(), heading.x());
+  mean.heading = std::atan2(heading.y(), heading.x());
   return mean;
 }
 
@@ -274,7 +274,7 @@ Eigen::Matrix3d FloorFilter::Covariance() const {
   for (size_t i = 0; i < particles_.size(); ++i) {
     const PlanarPose pose = particles_[i].path.empty() ? PlanarPose() : particles_[i].path.back();
     Eigen::Vector3d off;
-    off << pose.position - mean.position, WrapAngle(pose.yaw - mean.yaw);
+    off << pose.position - mean.position, WrapAngle(pose.heading - mean.heading);
     covariance += weights[i] * off * off.transpose();
   }
   return covariance;

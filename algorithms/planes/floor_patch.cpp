@@ -131,7 +131,7 @@ uchar Rectified(const ImagePyramid& image, const cv::Mat& mask, const CameraMode
 
 FloorPatch FloorPatch::Of(const ImagePyramid& image, const cv::Mat& mask, const CameraModel& camera, const Pose& X_WC,
                           double cell_m, double range_m, int match_points) {
-  const Pose X_PC = BelowCamera(X_WC).Inverse().ToPose() * X_WC, X_CP = X_PC.Inverse();
+  const Pose X_PC = BelowCamera(X_WC).Inverse().Lifted() * X_WC, X_CP = X_PC.Inverse();
   const double height = X_PC.translation.z();
   GAITCAM_ASSERT(height > 0 && cell_m > 0);
   FloorPatch patch;

@@ -39,7 +39,7 @@ Eigen::Matrix3d PlanarCovariance(const Eigen::Matrix<double, 6, 6>& of_x, const 
   const Eigen::Vector3d p = X_WK.Inverse() * X_WC.translation;
   Eigen::Matrix3d cross;
   cross << 0, -p.z(), p.y(), p.z(), 0, -p.x(), -p.y(), p.x(), 0;
-  const Eigen::Matrix3d R = RotZ(-BelowCamera(X_WC).yaw) * X_WK.R();
+  const Eigen::Matrix3d R = RotZ(-BelowCamera(X_WC).heading) * X_WK.R();
   Eigen::Matrix<double, 3, 6> J = Eigen::Matrix<double, 3, 6>::Zero();
   J.topLeftCorner<2, 3>() = -R.topRows<2>();
   J.topRightCorner<2, 3>() = (R * cross).topRows<2>();
@@ -229,7 +229,7 @@ void FloorTracker::Start(const Observation& observation) {
   level.rotation = Eigen::Quaterniond((Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished());
   const Eigen::Vector3d up_C = up_C_.value_or(calibration_.standing->up_C);
   X_WC_ = Upright(level, up_C, calibration_.standing->height_m);
-  X_WC_ = BelowCamera(X_WC_).Inverse().ToPose() * X_WC_;
+  X_WC_ = BelowCamera(X_WC_).Inverse().Lifted() * X_WC_;
   MakeKeyframe(observation.stamp_ns, X_WC_, ExposureMotion::Zero(), {});
 }
 

@@ -42,7 +42,7 @@ FrameEstimate FloorSlam::Track(const Observation& observation) {
   record.estimate.restarted = track.restarted;
   if (track.tracked) {
     const PlanarPose correction = keyframes_.empty() ? PlanarPose() : filter_.Mean() * keyframes_.back().Inverse();
-    record.estimate.pose = correction.ToPose() * track.X_WC;
+    record.estimate.pose = correction.Lifted() * track.X_WC;
     record.estimate.status = TrackingStatus::kTracking;
     started_ = true;
   } else {
@@ -62,11 +62,11 @@ std::vector<FrameEstimate> FloorSlam::Finish() {
     FrameEstimate estimate = record.estimate;
     if (estimate.pose && !corrections.empty()) {
       const size_t k = std::min(size_t(record.keyframe), corrections.size() - 1);
-      Pose correction = corrections[k].ToPose();
+      Pose correction = corrections[k].Lifted();
       if (k + 1 < corrections.size()) {
         const double s = double(estimate.stamp_ns - keyframe_ns_[k]) / double(keyframe_ns_[k + 1] - keyframe_ns_[k]);
         // Between two keyframes the correction of each point of the way goes over from one to the other.
-        const Pose a = correction * record.X_tracked, b = corrections[k + 1].ToPose() * record.X_tracked;
+        const Pose a = correction * record.X_tracked, b = corrections[k + 1].Lifted() * record.X_tracked;
         estimate.pose = Interpolate(a, b, s);
       } else {
         estimate.pose = correction * record.X_tracked;

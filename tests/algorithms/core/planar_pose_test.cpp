@@ -15,17 +15,17 @@ TEST(PlanarPose, ComposesAndInvertsAsTheRigidMotionsDo) {
       return PlanarPose{{x, y}, yaw};
     };
     const PlanarPose a = draw(), b = draw();
-    EXPECT_NEAR(((a * b).ToPose().Matrix() - (a.ToPose() * b.ToPose()).Matrix()).norm(), 0, 1e-12);
-    EXPECT_NEAR((a.Inverse().ToPose().Matrix() - a.ToPose().Inverse().Matrix()).norm(), 0, 1e-12);
+    EXPECT_NEAR(((a * b).Lifted().Matrix() - (a.Lifted() * b.Lifted()).Matrix()).norm(), 0, 1e-12);
+    EXPECT_NEAR((a.Inverse().Lifted().Matrix() - a.Lifted().Inverse().Matrix()).norm(), 0, 1e-12);
     const Eigen::Vector2d p(0.3, -2);
-    EXPECT_NEAR(((a * p) - (a.ToPose() * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>()).norm(), 0, 1e-12);
+    EXPECT_NEAR(((a * p) - (a.Lifted() * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>()).norm(), 0, 1e-12);
   }
 }
 
 TEST(BelowCamera, LeavesHeightAndTiltAlone) {
   const Pose X_WC(RotZ(0.7) * RotX(-2.2) * RotZ(0.1), Eigen::Vector3d(1, 2, 0.3));
   const PlanarPose below = BelowCamera(X_WC);
-  const Pose rest = below.Inverse().ToPose() * X_WC;
+  const Pose rest = below.Inverse().Lifted() * X_WC;
   EXPECT_NEAR(rest.translation.head<2>().norm(), 0, 1e-12);
   EXPECT_NEAR(rest.translation.z(), 0.3, 1e-12);
   const Eigen::Vector3d forward = rest.rotation * Eigen::Vector3d::UnitZ();

@@ -55,7 +55,7 @@ TEST(PlanarGraph, AnExactLoopClosesTheChainAndTakesMostOfItsErrorAway) {
     edges.push_back({0, 20, {}, 1e-10 * Eigen::Matrix3d::Identity(), true});  // once round: yaw is 2 pi, not 0
     const std::vector<PlanarPose> solved = SolvePlanarGraph(chain, edges);
     EXPECT_LT(solved.back().position.norm(), 1e-3);
-    EXPECT_NEAR(solved.back().yaw, 2 * std::numbers::pi, 1e-3);
+    EXPECT_NEAR(solved.back().heading, 2 * std::numbers::pi, 1e-3);
     before += Worst_m(chain, Circle());
     after += Worst_m(solved, Circle());
   }

@@ -49,7 +49,7 @@ constexpr double kDrawnHeight_m = 0.3, kDrawnPitch_rad = 0.75;
 inline Pose CameraOver(const PlanarPose& below, double height_m = kDrawnHeight_m, double pitch_rad = kDrawnPitch_rad,
                        double roll_rad = 0) {
   const Eigen::Matrix3d level = (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished();
-  const Pose X_WP = below.ToPose();
+  const Pose X_WP = below.Lifted();
   return {X_WP.R() * RotX(roll_rad) * RotY(pitch_rad) * level, X_WP.translation + Eigen::Vector3d(0, 0, height_m)};
 }
 

@@ -20,7 +20,7 @@ Pose Walking(double frame) {
 }
 
 /// The tracker's world begins below the first camera.
-Pose InItsWorld(const Pose& X_WC) { return BelowCamera(Walking(0)).Inverse().ToPose() * X_WC; }
+Pose InItsWorld(const Pose& X_WC) { return BelowCamera(Walking(0)).Inverse().Lifted() * X_WC; }
 
 TEST(FloorTracker, FollowsAWalkToHalfAPercentAndKeepsHeightAndTilt) {
   const DrawnFloor floor(1);

@@ -1,0 +1,29 @@
+#include "algorithms/core/planar_pose.h"
+
+#include <cmath>
+
+namespace gaitcam {
+
+Eigen::Vector2d Rotate(const Eigen::Vector2d& v, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+}
+
+PlanarPose PlanarPose::Inverse() const { return {-Rotate(position, -heading), -heading}; }
+
+Pose PlanarPose::Lifted(double z) const { return {RotZ(heading), Eigen::Vector3d(position.x(), position.y(), z)}; }
+
+PlanarPose operator*(const PlanarPose& X_AB, const PlanarPose& X_BC) {
+  return {X_AB * X_BC.position, X_AB.heading + X_BC.heading};
+}
+
+Eigen::Vector2d operator*(const PlanarPose& X_AB, const Eigen::Vector2d& p_B) {
+  return X_AB.position + Rotate(p_B, X_AB.heading);
+}
+
+PlanarPose BelowCamera(const Pose& X_WC) {
+  const Eigen::Vector3d forward = X_WC.rotation * Eigen::Vector3d::UnitZ();
+  return {X_WC.translation.head<2>(), std::atan2(forward.y(), forward.x())};
+}
+
+}  // namespace gaitcam
