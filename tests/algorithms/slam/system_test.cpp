@@ -16,6 +16,7 @@ using ::testing::HasSubstr;
 SystemSetup SetupWith(const SystemSettings& settings = {}) {
   SystemSetup setup;
   setup.calibration.camera = CameraModel::FromHorizontalFov(320, 240, 60);
+  setup.calibration.standing = StandingCamera{0.3, -Eigen::Vector3d::UnitY()};
   setup.settings = settings;
   return setup;
 }
