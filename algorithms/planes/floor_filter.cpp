@@ -29,6 +29,7 @@ struct Comparison {
   Matrix5 H = Matrix5::Zero();  ///< Of (x, y, yaw in the pose's frame, gain, offset).
   Vector5 g = Vector5::Zero();  ///< Downhill.
   double mean_rho = 0;
+  double correlation = 0;
   int points = 0;
 };
 
@@ -57,6 +58,8 @@ std::optional<FloorPatch::Sample> LookUp(const std::vector<Lookup>& known, const
 Comparison Compare(const std::vector<Lookup>& known, const FloorPatch::Level& patch, const PlanarPose& pose,
                    double gain, double offset, double noise_grey) {
   Comparison comparison;
+  Eigen::Array2d sum = Eigen::Array2d::Zero();
+  Eigen::Array3d products = Eigen::Array3d::Zero();
   const Eigen::Matrix2d R = Eigen::Rotation2Dd(pose.heading).toRotationMatrix();
   for (const FloorPatch::Point& point : patch.match) {
     const std::optional<FloorPatch::Sample> there = LookUp(known, pose.position + R * point.p);
@@ -71,7 +74,13 @@ Comparison Compare(const std::vector<Lookup>& known, const FloorPatch::Level& pa
     comparison.g += weight * e * J;
     comparison.mean_rho += Rho(e);
     ++comparison.points;
+    const double a = point.intensity, b = there->intensity;
+    sum += Eigen::Array2d(a, b);
+    products += Eigen::Array3d(a * a, b * b, a * b);
   }
+  const double n = std::max(1, comparison.points);
+  const double aa = products[0] - sum[0] * sum[0] / n, bb = products[1] - sum[1] * sum[1] / n;
+  comparison.correlation = aa > 0 && bb > 0 ? (products[2] - sum[0] * sum[1] / n) / std::sqrt(aa * bb) : 0;
   comparison.H = Matrix5(comparison.H.selfadjointView<Eigen::Lower>());
   comparison.mean_rho /= std::max(1, comparison.points);
   return comparison;
@@ -152,6 +161,7 @@ std::optional<FloorFilter::Match> FloorFilter::MatchPictures(const std::vector<K
                       std::pow(options_.match_sigma_deg * kDegree, 2));
   match.points = comparison.points;
   match.mean_rho = comparison.mean_rho;
+  match.correlation = comparison.correlation;
   return match;
 }
 
@@ -168,7 +178,7 @@ FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const Plana
   if (!match) return proposal;
   proposal.points = match->points;
   proposal.log_likelihood = -0.5 * std::min(match->mean_rho, kWorstRho);
-  if (match->mean_rho >= kWorstRho) return proposal;
+  if (match->mean_rho >= kWorstRho || match->correlation < options_.min_correlation) return proposal;
   const Eigen::Matrix3d both = Q + match->covariance;
   const Eigen::Matrix3d gain = Q * both.inverse();  // as Kalman's
   const Eigen::Vector3d moved = gain * match->moved;

@@ -49,6 +49,7 @@ struct FloorFilterOptions {
   int min_match_points = 80;     ///< Fewer in known floor say nothing.
   double match_sigma_m = 0.003;  ///< Least standard deviation of a match: pictures are rectified only so well.
   double match_sigma_deg = 0.2;
+  double min_correlation = 0.8;  ///< Of a match; less: it is another place.
   double noise_grey = 8.0;
   double independent = 0.05;    ///< Part of the points that the likelihood counts.
   double resample_ratio = 0.5;  ///< A smaller effective part of the particles is drawn anew.
@@ -68,6 +69,7 @@ void VisitFields(Visitor& visit, FloorFilterOptions& o) {
   visit("min_match_points", o.min_match_points, Between(4, 100000), "fewer in known floor say nothing");
   visit("match_sigma_m", o.match_sigma_m, Between(1e-5, 1.0), "least standard deviation of a match");
   visit("match_sigma_deg", o.match_sigma_deg, Between(1e-3, 90.0), "least standard deviation of a match");
+  visit("min_correlation", o.min_correlation, Between(0.0, 1.0), "of a match; less: another place");
   visit("noise_grey", o.noise_grey, Between(0.1, 255.0), "standard deviation of a floor point's residual");
   visit("independent", o.independent, Between(1e-4, 1.0), "part of the points that the likelihood counts");
   visit("resample_ratio", o.resample_ratio, Between(0.0, 1.0), "a smaller effective part is drawn anew");
@@ -125,7 +127,7 @@ class FloorFilter {
     Eigen::Vector3d moved;       ///< x, y (m), yaw (rad) from the expected pose, in its frame ...
     Eigen::Matrix3d covariance;  ///< ... as are these.
     int points = 0;
-    double mean_rho = 0;
+    double mean_rho = 0, correlation = 0;
   };
   /// Where a particle may be after a motion.
   struct Proposal {

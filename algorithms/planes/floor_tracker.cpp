@@ -172,6 +172,7 @@ void FloorTracker::MakeKeyframe(int64_t stamp_ns, const Pose& X_WC, const Exposu
   keyframe.plane = PlaneOf(X_WC);
   keyframe.X_WK = X_WC;
   keyframe.stamp_ns = stamp_ns;
+  keyframe.id = keyframes_++;
   keyframe_ = std::move(keyframe);
 }
 
@@ -179,6 +180,7 @@ void FloorTracker::MakeKeyframe(int64_t stamp_ns, const Pose& X_WC, const Exposu
 FloorKeyframe FloorTracker::Retire(const PlaneState* now, const CurrentBlur& blur) const {
   constexpr int kLevels = 3;  // pixels near the camera are finer than a map's cells
   FloorKeyframe retired;
+  retired.id = keyframe_->id;
   retired.stamp_ns = keyframe_->stamp_ns;
   retired.image = ImagePyramid::Of(keyframe_->grey, kLevels);
   retired.floor = keyframe_->mask.clone();
@@ -242,6 +244,7 @@ void FloorTracker::Restart(const Observation& observation, const Pose& X_WC, con
   MakeKeyframe(observation.stamp_ns, upright, ExposureMotion::Zero(), rejected);
   const Eigen::Vector3d sigma = gone_s * Eigen::Vector3d(kSpeed_m_s, kSpeed_m_s, turn_rad_s);
   keyframe_->covariance = sigma.cwiseAbs2().asDiagonal();
+  keyframe_->confirmed = false;
 }
 
 /// What an alignment that is believed says of the frame.
@@ -300,6 +303,8 @@ FloorTrack FloorTracker::Follow(const Observation& observation, const Rotation& 
     track = candidate;
     track.points = int(keyframe_->reference.points.front().size());
     track.inliers = found.inliers;
+    track.keyframe = keyframe_->id;
+    track.tentative = !keyframe_->confirmed;
     ++keyframe_->tracked_frames;
     if (IsDue(track, found.inside_ratio)) Succeed(observation, found.state, blur, track);
   } else {
@@ -314,7 +319,7 @@ void FloorTracker::Succeed(const Observation& observation, const PlaneState& now
   FloorKeyframe retired = Retire(&now, blur);
   rejected_ = CarryRejected(retired, now);
   if (FloorRatio(retired) < options_.min_floor_ratio) {  // it was something else that was followed
-    track.tracked = false;
+    track.tracked = track.tentative = false;
     lost_frames_ = std::max(lost_frames_, options_.max_lost_frames);
     return;
   }
@@ -337,19 +342,26 @@ FloorTrack FloorTracker::Track(const Observation& observation) {
     track.tracked = track.points >= options_.min_points;
     if (!track.tracked) keyframe_.reset();
   } else {
+    if (turned.since_last) X_dead_.rotation = X_dead_.rotation * TurnBy(*turned.since_last);
     track = Follow(observation, turned);
     if (!track.tracked && ++lost_frames_ > options_.max_lost_frames) {
-      if (keyframe_->tracked_frames > 0 && rejected_.empty()) track.retired = Retire(nullptr, {});
-      Restart(observation, track.X_WC, rejected_);
+      if (keyframe_->confirmed && keyframe_->tracked_frames > 0 && rejected_.empty())
+        track.retired = Retire(nullptr, {});
+      Restart(observation, X_dead_, rejected_);
+      track.X_WC = keyframe_->X_WK;
       rejected_.release();
       X_last_ = Pose();
     }
   }
   if (track.tracked) {
     track.restarted = lost_frames_ > options_.max_lost_frames;
+    track.tracked = !track.tentative || track.retired.has_value();
     lost_frames_ = 0;
     X_last_ = tracked_ns_ > 0 ? X_WC_.Inverse() * track.X_WC : Pose();
-    tracked_ns_ = observation.stamp_ns;
+    if (track.tracked) {
+      tracked_ns_ = observation.stamp_ns;
+      X_dead_ = track.X_WC;
+    }
   }
   X_WC_ = track.X_WC;
   last_ns_ = observation.stamp_ns;
@@ -357,7 +369,9 @@ FloorTrack FloorTracker::Track(const Observation& observation) {
 }
 
 std::optional<FloorKeyframe> FloorTracker::Finish() {
-  if (!keyframe_ || (keyframe_->tracked_frames == 0 && keyframe_->stamp_ns != last_ns_)) return std::nullopt;
+  if (!keyframe_ || !keyframe_->confirmed || (keyframe_->tracked_frames == 0 && keyframe_->stamp_ns != last_ns_)) {
+    return std::nullopt;
+  }
   return Retire(nullptr, {});
 }
 

@@ -65,6 +65,7 @@ void VisitFields(Visitor& visit, FloorTrackerOptions& o) {
 
 /// A keyframe that has served: what it shows of the floor is known now.
 struct FloorKeyframe {
+  int id = 0;
   int64_t stamp_ns = 0;
   ImagePyramid image;  ///< Undistorted, as the camera shows it.
   cv::Mat floor;       ///< CV_8UC1: not zero where it shows floor.
@@ -77,6 +78,10 @@ struct FloorKeyframe {
 /// What one frame says.
 struct FloorTrack {
   bool tracked = false;
+  /// It was aligned, but with a keyframe made after a loss, which may have shown anything. It did show floor if it
+  /// retires later; until then the frame is not `tracked`.
+  bool tentative = false;
+  int keyframe = 0;        ///< Which it was aligned with: FloorKeyframe::id.
   bool restarted = false;  ///< A new reference after the old one was lost: the motion in between is a guess.
   Pose X_WC;               ///< Dead reckoning; where not tracked, a prediction.
   int points = 0;          ///< Pixels compared.
@@ -111,6 +116,8 @@ class FloorTracker {
     Pose X_WK;
     int64_t stamp_ns = 0;
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of its way from the one before.
+    int id = 0;
+    bool confirmed = true;  ///< False after a loss, until the next one succeeds it.
     int tracked_frames = 0;
   };
   struct Rotation {
@@ -141,9 +148,10 @@ class FloorTracker {
   std::optional<Keyframe> keyframe_;
   ImagePyramid image_;
   cv::Mat grey_;
+  Pose X_dead_;         ///< The last frame that was tracked, turned on by the gyroscope since.
   Pose X_WC_, X_last_;  ///< Of the last frame; its motion from the one before it (X of points).
   int64_t last_ns_ = 0, tracked_ns_ = 0;
-  int lost_frames_ = 0;
+  int lost_frames_ = 0, keyframes_ = 0;
   cv::Mat rejected_;  ///< What the last keyframe saw that was no floor, where it is now.
   std::vector<ImuSample> imu_;
   std::optional<Eigen::Vector3d> up_C_;  ///< As the IMU has it.

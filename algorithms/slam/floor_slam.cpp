@@ -27,6 +27,7 @@ void FloorSlam::AddKeyframe(const FloorKeyframe& keyframe) {
                FloorPatch::Of(keyframe.image, keyframe.floor, tracker_.camera(), keyframe.X_WK, options_.filter.cell_m,
                               range_m, options_.filter.match_points));
   keyframes_.push_back(here);
+  keyframe_of_id_[keyframe.id] = keyframe_ns_.size();
   keyframe_ns_.push_back(keyframe.stamp_ns);
 }
 
@@ -34,7 +35,8 @@ FrameEstimate FloorSlam::Track(const Observation& observation) {
   const FloorTrack track = tracker_.Track(observation);
   Record record;
   record.X_tracked = track.X_WC;
-  record.keyframe = int(keyframes_.size());
+  record.aligned = track.tracked || track.tentative;
+  record.keyframe = track.keyframe;
   if (track.retired) AddKeyframe(*track.retired);
   record.estimate.stamp_ns = observation.stamp_ns;
   record.estimate.features = track.points;
@@ -60,17 +62,14 @@ std::vector<FrameEstimate> FloorSlam::Finish() {
   std::vector<FrameEstimate> estimates;
   for (const Record& record : records_) {
     FrameEstimate estimate = record.estimate;
-    if (estimate.pose && !corrections.empty()) {
-      const size_t k = std::min(size_t(record.keyframe), corrections.size() - 1);
-      Pose correction = corrections[k].Lifted();
-      if (k + 1 < corrections.size()) {
-        const double s = double(estimate.stamp_ns - keyframe_ns_[k]) / double(keyframe_ns_[k + 1] - keyframe_ns_[k]);
-        // Between two keyframes the correction of each point of the way goes over from one to the other.
-        const Pose a = correction * record.X_tracked, b = corrections[k + 1].Lifted() * record.X_tracked;
-        estimate.pose = Interpolate(a, b, s);
-      } else {
-        estimate.pose = correction * record.X_tracked;
-      }
+    const auto keyframe = keyframe_of_id_.find(record.keyframe);
+    if (record.aligned && keyframe != keyframe_of_id_.end()) {
+      // Between two keyframes the correction goes over from one to the other.
+      const size_t k = keyframe->second, next = std::min(k + 1, corrections.size() - 1);
+      const Pose a = corrections[k].Lifted() * record.X_tracked, b = corrections[next].Lifted() * record.X_tracked;
+      const double span = double(std::max<int64_t>(1, keyframe_ns_[next] - keyframe_ns_[k]));
+      estimate.pose = Interpolate(a, b, std::clamp(double(estimate.stamp_ns - keyframe_ns_[k]) / span, 0.0, 1.0));
+      estimate.status = TrackingStatus::kTracking;
     }
     estimates.push_back(estimate);
   }

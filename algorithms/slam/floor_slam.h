@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,8 +47,9 @@ class FloorSlam {
  private:
   struct Record {
     FrameEstimate estimate;
-    Pose X_tracked;    ///< The tracker's.
-    int keyframe = 0;  ///< Which one it was tracked by.
+    Pose X_tracked;        ///< The tracker's.
+    bool aligned = false;  ///< With ...
+    int keyframe = 0;      ///< ... this keyframe of the tracker's.
   };
   void AddKeyframe(const FloorKeyframe& keyframe);
 
@@ -58,6 +60,7 @@ class FloorSlam {
   bool started_ = false;
   std::vector<PlanarPose> keyframes_;  ///< The tracker's.
   std::vector<int64_t> keyframe_ns_;
+  std::map<int, size_t> keyframe_of_id_;  ///< Those that retired.
 };
 
 }  // namespace gaitcam
