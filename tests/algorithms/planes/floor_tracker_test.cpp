@@ -78,7 +78,7 @@ TEST(FloorTracker, WithoutTextureItIsLostAndSaysSoAndComesBack) {
     last = tracker.Track(Observe(Draw(floor, {Walking(frame)}, 1), frame));
     aligned += last.tracked || last.tentative;
     restarted += last.restarted;
-    if (frame < 30) EXPECT_FALSE(last.tracked) << "not before the new keyframe has proved to show floor";
+    EXPECT_FALSE(last.tracked && frame < 30) << "not before the new keyframe has proved to show floor";
   }
   EXPECT_GE(aligned, 23);  // a new keyframe, and from the next frame on
   EXPECT_EQ(restarted, 1);
