@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
 #include "algorithms/estimation/resampling.h"
 
 namespace gaitcam {
@@ -202,8 +203,7 @@ void FloorFilter::Reweigh(const std::vector<Proposal>& proposals) {
     if (proposal.points > 0) points.push_back(proposal.points);
   }
   if (points.empty()) return;
-  std::nth_element(points.begin(), points.begin() + long(points.size() / 2), points.end());
-  const double counted = options_.independent * points[points.size() / 2];
+  const double counted = options_.independent * UpperMedian(points);
   const auto mass = [&](const Proposal& p) { return counted * p.log_likelihood + p.log_prior; };
   double worst = std::numeric_limits<double>::max();
   for (const Proposal& proposal : proposals) {

@@ -47,6 +47,11 @@ Eigen::Matrix3d PlanarCovariance(const Eigen::Matrix<double, 6, 6>& of_x, const 
   return J * of_x * J.transpose();
 }
 
+CameraModel WithoutDistortion(CameraModel camera) {
+  camera.k1 = camera.k2 = camera.k3 = camera.p1 = camera.p2 = 0;
+  return camera;
+}
+
 /// Of the regions that were judged, the part that lies on the floor, by area.
 double FloorRatio(const FloorKeyframe& keyframe) {
   double floor = 0, all = 0;
@@ -63,20 +68,13 @@ double FloorRatio(const FloorKeyframe& keyframe) {
 FloorTracker::FloorTracker(const Calibration& calibration, const FloorTrackerOptions& options)
     : calibration_(calibration),
       options_(options),
-      camera_(calibration.camera),
-      aligner_(
-          [&] {
-            CameraModel ideal = calibration.camera;
-            ideal.k1 = ideal.k2 = ideal.k3 = ideal.p1 = ideal.p2 = 0;
-            return ideal;
-          }(),
-          options.alignment) {
+      camera_(WithoutDistortion(calibration.camera)),
+      aligner_(camera_, options.alignment) {
   CheckFields(options, "floor_tracker.");
   if (!calibration.standing) {
     throw BadInput("the calibration does not say how high the camera stands (standing: height_m, up_C)");
   }
-  const CameraModel lens = camera_;
-  camera_.k1 = camera_.k2 = camera_.k3 = camera_.p1 = camera_.p2 = 0;
+  const CameraModel& lens = calibration.camera;
   if (!lens.IsDistorted()) return;
   map_u_.create(lens.height_px, lens.width_px, CV_32FC1);
   map_v_.create(lens.height_px, lens.width_px, CV_32FC1);
@@ -222,8 +220,7 @@ Pose FloorTracker::Corrected(const Pose& X_WC) const {
   const double better = height + options_.height_gain * (calibration_.standing->height_m - height);
   Eigen::Vector3d up_C = X_WC.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   if (up_C_) up_C = (up_C + options_.tilt_gain * (*up_C_ - up_C)).normalized();
-  Pose corrected = Upright(X_WC, up_C, better);
-  return corrected;
+  return Upright(X_WC, up_C, better);
 }
 
 void FloorTracker::Start(const Observation& observation) {
@@ -317,15 +314,16 @@ FloorTrack FloorTracker::Follow(const Observation& observation, const Rotation& 
 void FloorTracker::Succeed(const Observation& observation, const PlaneState& now, const CurrentBlur& blur,
                            FloorTrack& track) {
   FloorKeyframe retired = Retire(&now, blur);
-  rejected_ = CarryRejected(retired, now);
+  const cv::Mat rejected = CarryRejected(retired, now);
   if (FloorRatio(retired) < options_.min_floor_ratio) {  // it was something else that was followed
+    rejected_ = rejected;
     track.tracked = track.tentative = false;
     lost_frames_ = std::max(lost_frames_, options_.max_lost_frames);
     return;
   }
   track.retired = std::move(retired);
   track.X_WC = Corrected(track.X_WC);
-  MakeKeyframe(observation.stamp_ns, track.X_WC, blur.Motion(now.X_CR), rejected_);
+  MakeKeyframe(observation.stamp_ns, track.X_WC, blur.Motion(now.X_CR), rejected);
   keyframe_->covariance = track.covariance;
 }
 
@@ -338,6 +336,7 @@ FloorTrack FloorTracker::Track(const Observation& observation) {
   if (!keyframe_) {
     Start(observation);
     track.X_WC = X_WC_;
+    track.keyframe = keyframe_->id;
     track.points = track.inliers = int(keyframe_->reference.points.front().size());
     track.tracked = track.points >= options_.min_points;
     if (!track.tracked) keyframe_.reset();

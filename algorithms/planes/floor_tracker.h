@@ -152,7 +152,7 @@ class FloorTracker {
   Pose X_WC_, X_last_;  ///< Of the last frame; its motion from the one before it (X of points).
   int64_t last_ns_ = 0, tracked_ns_ = 0;
   int lost_frames_ = 0, keyframes_ = 0;
-  cv::Mat rejected_;  ///< What the last keyframe saw that was no floor, where it is now.
+  cv::Mat rejected_;  ///< Where what was followed in place of floor is now; empty if nothing was.
   std::vector<ImuSample> imu_;
   std::optional<Eigen::Vector3d> up_C_;  ///< As the IMU has it.
 };

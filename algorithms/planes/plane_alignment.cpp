@@ -5,8 +5,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
 
 namespace gaitcam {
 namespace {
@@ -203,9 +205,7 @@ double RobustSigma(const std::vector<Residual>& residuals) {
   std::vector<double> values;
   values.reserve(residuals.size());
   for (const Residual& r : residuals) values.push_back(std::abs(r.value));
-  const auto middle = values.begin() + long(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return 1.4826 * *middle;
+  return 1.4826 * UpperMedian(std::move(values));
 }
 
 /// The normal equations of one step: the pixels' and the prior's.
