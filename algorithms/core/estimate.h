@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "algorithms/core/floor_picture.h"
+#include "algorithms/core/place_graph.h"
 #include "algorithms/core/trajectory.h"
 
 namespace gaitcam {
@@ -35,6 +36,7 @@ struct Estimate {
   std::vector<FrameEstimate> frames;
   std::string failure;                ///< Why the system stopped working, in one line; empty if it did not.
   std::optional<FloorPicture> floor;  ///< The floor as it was mapped, in the plane z = 0 of the poses' world.
+  std::optional<PlaceGraph> places;   ///< The topological map, of systems that make one.
   std::vector<double> track_ms;       ///< Wall time spent per frame; the one part that differs from run to run.
 
   /// The frames that have a pose.

@@ -27,6 +27,12 @@ struct JointSample {
   bool right_contact = false;
 };
 
+/// Where the camera of a robot looks that stands and turns it to see all around, by the robot's own joints and steps.
+struct ScanState {
+  double pan_rad = 0;        ///< Camera against the trunk about the vertical, at mid-exposure; left is positive.
+  double body_turn_rad = 0;  ///< How far the robot believes to have turned on the spot since the scan began.
+};
+
 /// One frame and everything sensed since the frame before it.
 struct Observation {
   int64_t stamp_ns = 0;             ///< Middle of the exposure.
@@ -36,6 +42,7 @@ struct Observation {
   std::optional<Image> depth;       ///< RGB-D rigs only, CV_32FC1, metres.
   std::vector<ImuSample> imu;       ///< In time order, after the previous frame's last, up to this shutter's close.
   std::vector<JointSample> joints;  ///< Likewise. Empty when read from a dataset that has none.
+  std::optional<ScanState> scan;    ///< Set while the robot stands and scans, as the system asked (System::Request).
 };
 
 }  // namespace gaitcam

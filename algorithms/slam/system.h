@@ -16,6 +16,7 @@
 #include "algorithms/core/estimate.h"
 #include "algorithms/core/floor_picture.h"
 #include "algorithms/core/observation.h"
+#include "algorithms/core/place_graph.h"
 
 namespace gaitcam {
 
@@ -43,6 +44,12 @@ struct SystemSetup {
   SystemSettings settings;  ///< Checked by the system: unknown names and bad values throw BadOption.
 };
 
+/// What a system asks of the body that carries its camera.
+enum class BodyRequest {
+  kGoOn,  ///< Follow the path.
+  kScan,  ///< Stop, stand, look all around, then go on; Observation::scan is set meanwhile.
+};
+
 /// A SLAM system or odometry: frames in, poses out, in order. Deterministic: the same setup and observations give the
 /// same bits, whatever the machine's load.
 class System {
@@ -55,6 +62,14 @@ class System {
   virtual std::vector<FrameEstimate> Finish() { return {}; }
   /// After Finish(): the floor as it was mapped, in the plane z = 0 of the system's world; nothing if it maps none.
   virtual std::optional<FloorPicture> Floor() const { return std::nullopt; }
+  /// After Finish(): the topological map; nothing if it makes none.
+  virtual std::optional<PlaceGraph> Places() const { return std::nullopt; }
+  /// Whether it may ask anything of the body. Then the walk waits for its answer to each frame, and recorded walks are
+  /// not for it.
+  virtual bool Acts() const { return false; }
+  /// After each Track(): what the body is asked to do. The same request again, while it is being served, changes
+  /// nothing.
+  virtual BodyRequest Request() const { return BodyRequest::kGoOn; }
   /// After Finish(): why it stopped working, in one line; empty if it did not. For systems that are not ours: a crash
   /// of theirs is a result, not an error.
   virtual std::string Failure() const { return {}; }
