@@ -35,7 +35,7 @@ struct LegsFile {
 
 struct NeckFile {
   using DescribedTag = void;
-  std::string pan, tilt;
+  std::string pan, tilt, camera_pan;
 };
 
 struct MountFile {
@@ -83,6 +83,7 @@ template <class Visitor>
 void VisitFields(Visitor& visit, NeckFile& o) {
   visit("pan", o.pan, AnyText(), "joint that turns the head left");
   visit("tilt", o.tilt, AnyText(), "joint that turns the head down");
+  visit("camera_pan", o.camera_pan, AnyText(), "second joint that turns the camera left, beyond the neck's reach");
 }
 
 template <class Visitor>
@@ -178,6 +179,7 @@ class RobotBuilder {
     const YamlNode neck = root_.Child("neck");
     if (neck.Has("pan")) robot_.neck_pan = MovingJoint(neck.Child("pan"), file_.neck.pan);
     if (neck.Has("tilt")) robot_.neck_tilt = MovingJoint(neck.Child("tilt"), file_.neck.tilt);
+    if (neck.Has("camera_pan")) robot_.camera_pan = MovingJoint(neck.Child("camera_pan"), file_.neck.camera_pan);
   }
 
   void ReadHumanoid() {
@@ -243,7 +245,7 @@ class RobotBuilder {
       if (robot_.kind != Robot::Kind::kHumanoid) break;
       for (int joint : leg.joints) robot_.servos[joint] = file_.servos.legs;
     }
-    for (int joint : {robot_.neck_pan, robot_.neck_tilt}) {
+    for (int joint : {robot_.neck_pan, robot_.neck_tilt, robot_.camera_pan}) {
       if (joint >= 0) robot_.servos[joint] = file_.servos.neck;
     }
     for (size_t i = 0; i < efforts.size(); ++i) {

@@ -113,6 +113,7 @@ struct Robot {
   std::array<RobotLeg, 2> legs;          ///< Left, right. Humanoids only.
   std::array<int, 2> shoulders{-1, -1};  ///< Joints that swing with the legs, or -1.
   int neck_pan = -1, neck_tilt = -1;     ///< Joint indices, or -1.
+  int camera_pan = -1;                   ///< A second joint that turns the camera left, carried by the neck's; or -1.
   double base_height_m = 0;              ///< Omni base: height of the root link over the floor.
   DriveOptions drive;                    ///< Omni base.
   RobotMount camera, imu;

@@ -111,6 +111,8 @@ class CameraRig {
   /// @param record covers Shutter(FrameStamp(frame)). @param truth what to make for the left camera.
   RigFrame Expose(Renderer& renderer, const MotionRecord& record, int64_t frame, const TruthOptions& truth);
 
+  /// Other noise from now on.
+  void Reseed(uint64_t seed) { seed_ = seed; }
   const CameraOptions& options() const { return options_; }
 
  private:

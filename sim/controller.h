@@ -10,6 +10,7 @@
 #include "algorithms/core/observation.h"
 #include "algorithms/core/pose.h"
 #include "models/gait.h"
+#include "sim/head_scan.h"
 
 namespace gaitcam {
 
@@ -42,6 +43,13 @@ class Controller {
   virtual GaitState gait() const = 0;
   /// The path has been followed to its end and the robot stands.
   virtual bool Finished() const = 0;
+
+  /// Asks it to stop, to look all around, and to go on. @pre not Scans().
+  virtual void RequestScan(const HeadScanPlan& plan) = 0;
+  /// It was asked and has not gone on yet.
+  virtual bool Scans() const = 0;
+  /// While the head sweeps: how far it believes to have turned on the spot since it stood.
+  virtual std::optional<double> SweepTurn() const = 0;
 };
 
 }  // namespace gaitcam

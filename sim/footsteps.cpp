@@ -26,7 +26,24 @@ FootstepPlanner::FootstepPlanner(const GaitOptions& gait, const SteeringOptions&
     const PlanarPose beside({0, SideSign(side) * gait.foot_spacing_m / 2}, 0);
     prints_.push_back({side, path.start() * beside});
   }
-  complete_ = path.segments().empty();
+  complete_ = ended_ = path.segments().empty();
+}
+
+void FootstepPlanner::Halt() { halting_ = true; }
+
+void FootstepPlanner::GoOn() {
+  GAITCAM_ASSERT(ended_);
+  ended_ = complete_;
+  halting_ = false;
+  length_m_ = 0;
+  spot_heading_.reset();
+}
+
+void FootstepPlanner::TurnOnTheSpot(double turn_rad, const PlanDrift& drift) {
+  GAITCAM_ASSERT(ended_);
+  ended_ = false;
+  length_m_ = 0;
+  spot_heading_ = (drift.X_WP * Center(prints_.back())).heading + turn_rad;
 }
 
 const Footprint& FootstepPlanner::print(int index) const {
@@ -46,7 +63,7 @@ PlanarPose FootstepPlanner::Center(const Footprint& print) const {
 }
 
 void FootstepPlanner::Append(const PlanDrift& drift, int standing) {
-  GAITCAM_ASSERT(!complete_);
+  GAITCAM_ASSERT(!ended_);
   const PlanarPose center = Center(prints_.back());
   const Advance advance = Next(PredictCenter(drift, standing), drift.slip_rad);
   const int side = 1 - prints_.back().side;
@@ -67,12 +84,30 @@ PlanarPose FootstepPlanner::PredictCenter(const PlanDrift& drift, int standing) 
 }
 
 FootstepPlanner::Advance FootstepPlanner::Next(const PlanarPose& X_WC, double slip_rad) {
+  if (spot_heading_) {
+    ended_ = std::abs(*spot_heading_ - X_WC.heading) < kTurned_rad;
+    return ended_ ? Advance() : TowardsHeading(*spot_heading_, X_WC, slip_rad);
+  }
+  const Advance advance = AlongPath(X_WC, slip_rad);
+  // Steps that shrink by a ramp each come down to nothing: feet side by side.
+  const bool halted = halting_ && advance.length_m < 0.5 * steering_.ramp_ratio * gait_.step_length_m;
+  ended_ = complete_ || halted;
+  return ended_ ? Advance() : advance;
+}
+
+FootstepPlanner::Advance FootstepPlanner::TowardsHeading(double heading, const PlanarPose& X_WC,
+                                                         double slip_rad) const {
+  const double left_to_turn = heading - X_WC.heading;
+  return {0, std::clamp(left_to_turn - slip_rad, -steering_.max_turn_rad, steering_.max_turn_rad)};
+}
+
+FootstepPlanner::Advance FootstepPlanner::AlongPath(const PlanarPose& X_WC, double slip_rad) {
   for (; segment_ < path_.segments().size(); ++segment_, along_ = 0) {
     const PathSegment& segment = path_.segments()[segment_];
     if (segment.IsTurnOnTheSpot()) {
-      const double left_to_turn = segment.start.heading + segment.turn_rad - X_WC.heading;
-      if (std::abs(left_to_turn) < kTurned_rad) continue;
-      return {0, std::clamp(left_to_turn - slip_rad, -steering_.max_turn_rad, steering_.max_turn_rad)};
+      const double heading = segment.start.heading + segment.turn_rad;
+      if (std::abs(heading - X_WC.heading) < kTurned_rad) continue;
+      return TowardsHeading(heading, X_WC, slip_rad);
     }
     const PathSegment::Location location = segment.Locate(X_WC.position, along_);
     along_ = location.along;
@@ -97,7 +132,8 @@ FootstepPlanner::Advance FootstepPlanner::AlongSegment(const PathSegment& segmen
                                                        double left) const {
   const double full = gait_.step_length_m;
   const double ramp = steering_.ramp_ratio * full;
-  const double length = std::min({full, length_m_ + ramp, LongestStoppableStep(DistanceToStop(along), ramp)});
+  const double most = halting_ ? std::max(0.0, length_m_ - ramp) : length_m_ + ramp;
+  const double length = std::min({full, most, LongestStoppableStep(DistanceToStop(along), ramp)});
   const double approach =
       std::clamp(steering_.offset_gain * left, -steering_.max_approach_rad, steering_.max_approach_rad);
   const double heading_error = segment.At(along).heading - approach - X_WC.heading;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 
 #include "models/gait.h"
 #include "sim/path.h"
@@ -49,8 +50,19 @@ class FootstepPlanner {
   int count() const { return forgotten_ + int(prints_.size()); }
   /// The last print has been appended: the feet stand side by side at the path's end.
   bool complete() const { return complete_; }
+  /// No footprint is to be appended for now: the path is complete, or halted; the feet stand side by side.
+  bool ended() const { return ended_; }
 
-  /// Appends the next footprint. @pre not complete.
+  /// Shrinks the steps to come and ends them as soon as that allows, until GoOn() or TurnOnTheSpot().
+  void Halt();
+  /// Ends them now. @pre the feet stand side by side.
+  void End() { ended_ = true; }
+  /// Follows the path again, from where the last footprint is. @pre ended.
+  void GoOn();
+  /// Leaves the path to turn where it stands, and ends. @pre ended. @param drift as now seen.
+  void TurnOnTheSpot(double turn_rad, const PlanDrift& drift);
+
+  /// Appends the next footprint. @pre not ended.
   /// @param drift as seen while print `standing` carried the robot; between that and the last print, it goes on.
   void Append(const PlanDrift& drift, int standing);
   /// Drops the prints before `index`, so that a long walk does not grow.
@@ -65,6 +77,8 @@ class FootstepPlanner {
   };
   PlanarPose PredictCenter(const PlanDrift& drift, int standing) const;
   Advance Next(const PlanarPose& X_WC, double slip_rad);
+  Advance TowardsHeading(double heading, const PlanarPose& X_WC, double slip_rad) const;
+  Advance AlongPath(const PlanarPose& X_WC, double slip_rad);
   Advance AlongSegment(const PathSegment& segment, const PlanarPose& X_WC, double along, double left) const;
   double DistanceToStop(double along) const;
 
@@ -76,7 +90,8 @@ class FootstepPlanner {
   size_t segment_ = 0;   ///< Of the path: where the last footprint is.
   double along_ = 0;     ///< On that segment, m.
   double length_m_ = 0;  ///< Of the last step.
-  bool complete_ = false;
+  bool complete_ = false, ended_ = false, halting_ = false;
+  std::optional<double> spot_heading_;  ///< Where a turn beside the path leads, rad in W.
 };
 
 }  // namespace gaitcam

@@ -8,35 +8,9 @@
 
 namespace gaitcam {
 
-using std::numbers::pi;
-
-// Speed v (1 - cos(pi t / T)) / 2 during a ramp of T = pi v / (2 a): its steepest slope is a, its way v T / 2.
-SmoothProfile::SmoothProfile(double distance, double speed, double acceleration) : distance_(distance) {
-  speed_ = std::min(speed, std::sqrt(2 * acceleration * distance / pi));  // too short a way for the full speed
-  if (!(speed_ > 0)) return;
-  ramp_s_ = pi * speed_ / (2 * acceleration);
-  cruise_s_ = std::max(0.0, distance / speed_ - ramp_s_);
-}
-
-double SmoothProfile::RampPosition(double t) const {
-  return 0.5 * speed_ * (t - ramp_s_ / pi * std::sin(pi * t / ramp_s_));
-}
-
-double SmoothProfile::Position(double t) const {
-  if (t <= 0) return 0;
-  if (t >= duration_s()) return distance_;
-  if (t < ramp_s_) return RampPosition(t);
-  if (t < ramp_s_ + cruise_s_) return 0.5 * speed_ * ramp_s_ + speed_ * (t - ramp_s_);
-  return distance_ - RampPosition(duration_s() - t);
-}
-
-double SmoothProfile::Speed(double t) const {
-  const double into = std::min(t, duration_s() - t);
-  if (into <= 0) return 0;
-  return into >= ramp_s_ ? speed_ : 0.5 * speed_ * (1 - std::cos(pi * into / ramp_s_));
-}
-
 namespace {
+
+using std::numbers::pi;
 
 /// Segments that are driven without a stop, or one turn on the spot.
 struct Stretch {
@@ -70,7 +44,7 @@ struct Reference {
 class OmniDrive : public Controller {
  public:
   OmniDrive(const Robot& robot, const OmniDriveOptions& options, const PathOptions& path_options, const Pose& start)
-      : robot_(robot), options_(options), path_options_(path_options), path_(path_options, start) {
+      : robot_(robot), options_(options), path_options_(path_options), path_(path_options, start), head_pan_(robot) {
     CheckFields(options, "drive.");
     stretches_ = PlanStretches(path_, options);
     for (const Stretch& stretch : stretches_) moving_s_ += stretch.profile.duration_s();
@@ -89,7 +63,10 @@ class OmniDrive : public Controller {
   Pose InitialRoot() const override { return path_.start().Lifted(robot_.base_height_m); }
 
   const std::vector<double>& Update(const ControlInput& input) override {
-    time_s_ = 1e-9 * double(input.stamp_ns);
+    const double now_s = 1e-9 * double(input.stamp_ns), period_s = now_s - clock_s_;
+    clock_s_ = now_s;
+    if (scan_.active() || pace_ < 1) Scan(period_s);
+    time_s_ = now_s - halted_s_;
     const std::vector<double> joints = InitialJoints();
     std::copy(joints.begin(), joints.end(), targets_.begin());
     PanNeck();
@@ -97,8 +74,8 @@ class OmniDrive : public Controller {
     const size_t n = robot_.joints.size();
     targets_[n] = ahead.pose.position.x();
     targets_[n + 1] = ahead.pose.position.y();
-    targets_[n + 2] = ahead.pose.heading;
-    const double amplitude = options_.vibration_amplitude_rad * ahead.speed_ratio;
+    targets_[n + 2] = ahead.pose.heading + Spot();
+    const double amplitude = options_.vibration_amplitude_rad * ahead.speed_ratio * Speed();
     const double phase = 2 * pi * options_.vibration_hz * time_s_;
     targets_[n + 3] = amplitude * std::sin(phase);
     targets_[n + 4] = amplitude * std::sin(0.83 * phase);
@@ -106,11 +83,42 @@ class OmniDrive : public Controller {
   }
 
   GaitState gait() const override { return {}; }
-  bool Finished() const override { return time_s_ >= duration_s(); }
+  bool Finished() const override { return !scan_.active() && time_s_ >= duration_s(); }
+
+  void RequestScan(const HeadScanPlan& plan) override { scan_.Begin(plan, head_pan_.Of(targets_)); }
+  bool Scans() const override { return scan_.active(); }
+  std::optional<double> SweepTurn() const override { return scan_.body_turn_rad(); }
+
   double duration_s() const { return moving_s_ + 2 * path_options_.settle_s; }
 
  private:
+  /// 1 on its way, 0 while halted, a raised cosine between.
+  double Speed() const { return 0.5 - 0.5 * std::cos(pi * pace_); }
+
+  /// What turns on the spot have added to the heading.
+  double Spot() const { return spot_from_rad_ + std::copysign(spot_.Position(spot_s_), spot_turn_rad_); }
+
+  /// To halt, the time on the path slows down; turns on the spot add up. Its wheels are taken at their word.
+  void Scan(double period_s) {
+    const double ramp_s = pi * options_.speed_mps / (2 * options_.acceleration_mps2);
+    pace_ = std::clamp(pace_ + (scan_.active() ? -1 : 1) * period_s / ramp_s, 0.0, 1.0);
+    halted_s_ += (1 - Speed()) * period_s;
+    spot_s_ += period_s;
+    if (!scan_.active()) return;
+    const bool stands = pace_ == 0 && spot_s_ > spot_.duration_s();
+    const HeadScan::Order order = scan_.Advance(period_s, stands, Spot());
+    if (order.kind != HeadScan::Order::Kind::kTurn) return;
+    spot_from_rad_ += spot_turn_rad_;
+    spot_turn_rad_ = order.turn_rad;
+    spot_ = SmoothProfile(std::abs(spot_turn_rad_), options_.turn_rate_rad_s, options_.turn_acceleration_rad_s2);
+    spot_s_ = 0;
+  }
+
   void PanNeck() {
+    if (scan_.active()) {
+      head_pan_.Set(scan_.pan_rad(), targets_);
+      return;
+    }
     const double t = time_s_ - path_options_.settle_s;
     if (path_options_.kind != "stand" || robot_.neck_pan < 0 || t < 0 || t > moving_s_) return;
     targets_[size_t(robot_.neck_pan)] =
@@ -148,6 +156,12 @@ class OmniDrive : public Controller {
   std::vector<Stretch> stretches_;
   std::vector<double> targets_;
   double moving_s_ = 0, lead_s_ = 0, time_s_ = 0;
+  HeadPan head_pan_;
+  HeadScan scan_;
+  double clock_s_ = 0, halted_s_ = 0;  ///< What scans have cost so far.
+  double pace_ = 1;                    ///< Of the time on the path, before it is rounded off.
+  SmoothProfile spot_;                 ///< The present turn of a scan, ...
+  double spot_turn_rad_ = 0, spot_s_ = 0, spot_from_rad_ = 0;
 };
 
 }  // namespace

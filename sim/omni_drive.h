@@ -12,6 +12,7 @@
 #include "models/robot.h"
 #include "sim/controller.h"
 #include "sim/path.h"
+#include "sim/smooth_profile.h"
 
 namespace gaitcam {
 
@@ -35,20 +36,6 @@ void VisitFields(Visitor& visit, OmniDriveOptions& o) {
   visit("vibration_amplitude_rad", o.vibration_amplitude_rad, Between(0.0, 0.1), "of pitch and roll at full speed");
   visit("vibration_hz", o.vibration_hz, Between(0.5, 50.0), "of pitch; roll shakes 0.83 times as fast");
 }
-
-/// From rest to rest over a distance (m or rad): raised-cosine ramp up, constant speed, ramp down.
-class SmoothProfile {
- public:
-  SmoothProfile() = default;
-  SmoothProfile(double distance, double speed, double acceleration);
-  double duration_s() const { return 2 * ramp_s_ + cruise_s_; }
-  double Position(double t) const;  ///< From 0 to the distance; clamped outside [0, duration].
-  double Speed(double t) const;
-
- private:
-  double RampPosition(double t) const;
-  double distance_ = 0, speed_ = 0, ramp_s_ = 0, cruise_s_ = 0;
-};
 
 /// Time to drive the path, standing still before and after included, s.
 double EstimateDrivingTime(const OmniDriveOptions& options, const PathOptions& path);

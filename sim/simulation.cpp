@@ -8,10 +8,11 @@
 namespace gaitcam {
 namespace {
 
-Pose StartPose(const gaitcam::Place& place, const SimulationOptions& options) {
-  Eigen::Vector3d start = place.start;
-  if (options.start) start = {options.start->x(), options.start->y(), options.start->z() * std::numbers::pi / 180};
-  return {RotZ(start.z()), Eigen::Vector3d(start.x(), start.y(), 0)};
+/// @param place_start x m, y m, yaw rad. @param start x m, y m, yaw deg.
+Pose StartPose(const Eigen::Vector3d& place_start, const std::optional<Eigen::Vector3d>& start) {
+  const double yaw = start ? start->z() * std::numbers::pi / 180 : place_start.z();
+  const Eigen::Vector3d& p = start ? *start : place_start;
+  return {RotZ(yaw), Eigen::Vector3d(p.x(), p.y(), 0)};
 }
 
 std::unique_ptr<Controller> MakeController(const Robot& robot, const mjModel* nominal, const SimulationOptions& options,
@@ -32,20 +33,50 @@ StandingCamera StandingCameraOf(const Robot& robot, const Pose& X_MC, const Pose
   return {X_WC.translation.z(), X_WC.R().transpose() * Eigen::Vector3d::UnitZ()};
 }
 
-double ExpectedTime(const Robot& robot, const SimulationOptions& options) {
-  const double path_s = robot.kind == Robot::Kind::kOmniBase ? EstimateDrivingTime(options.drive, options.path)
-                                                             : EstimateWalkingTime(options.gait, options.path);
-  return options.duration_s > 0 ? std::min(options.duration_s, path_s) : path_s;
+double PathTime(const Robot& robot, const SimulationOptions& options) {
+  return robot.kind == Robot::Kind::kOmniBase ? EstimateDrivingTime(options.drive, options.path)
+                                              : EstimateWalkingTime(options.gait, options.path);
 }
 
+/// The straight line that fits best, at `stamp_ns`: it averages the encoders' noise, and goes on where readings end.
+class LineFit {
+ public:
+  explicit LineFit(int64_t stamp_ns) : stamp_ns_(stamp_ns) {}
+  void Add(int64_t stamp_ns, double y) {
+    const double x = 1e-9 * double(stamp_ns - stamp_ns_);
+    n_ += 1, x_ += x, y_ += y, xx_ += x * x, xy_ += x * y;
+  }
+  double Value() const {
+    GAITCAM_ASSERT(n_ > 0);
+    const double spread = n_ * xx_ - x_ * x_;
+    return spread > 0 ? (xx_ * y_ - x_ * xy_) / spread : y_ / n_;
+  }
+
+ private:
+  int64_t stamp_ns_;
+  double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
+};
+
+constexpr int64_t kPanFit_ns = 12'000'000;  ///< Readings so near to mid-exposure tell the pan.
+
 }  // namespace
+
+void CheckHeadScan(const Robot& robot, const SimulationOptions& options) {
+  const CameraModel camera = CameraRig(options.camera, 0).MakeCalibration().camera;
+  const HeadScanPlan plan = PlanHeadScan(robot, options.scan, camera, 1e-3 * options.camera.exposure.exposure_ms);
+  if (plan.sweeps == 1 || robot.kind != Robot::Kind::kHumanoid) return;
+  const World world(robot, gaitcam::Place{}, options.physics, {}, 0);
+  PathOptions turning;
+  turning.kind = "there_and_back";
+  CheckGait(robot, world.nominal_model(), options.gait, turning, options.physics);
+}
 
 void CheckSimulation(const Robot& robot, const gaitcam::Place& place, const SimulationOptions& options, uint64_t seed) {
   options.camera.Check();
   gaitcam::Place floor;  // the robot is asked, not the place: an empty floor compiles in no time
   floor.start = place.start;
   const World world(robot, floor, options.physics, {}, seed);
-  MakeController(robot, world.nominal_model(), options, StartPose(place, options));
+  MakeController(robot, world.nominal_model(), options, StartPose(place.start, options.start));
   SensorSuite(world, options.sensors, seed);
 }
 
@@ -53,16 +84,16 @@ Simulation::Simulation(const Robot& robot, const gaitcam::Place& place, const Si
     : options_(options),
       rig_(options.camera, seed),
       world_(robot, place, options.physics, rig_.WorldCameras(), seed),
-      controller_(MakeController(robot, world_.nominal_model(), options, StartPose(place, options))),
+      controller_(MakeController(robot, world_.nominal_model(), options, StartPose(place.start, options.start))),
       sensors_(world_, options.sensors, seed),
       renderer_(world_.model(), rig_.MakeRendererOptions()),
       calibration_(rig_.MakeCalibration()),
-      middle_(mj_makeData(world_.model())) {
+      middle_(mj_makeData(world_.model())),
+      head_pan_(robot) {
   if (robot.kind == Robot::Kind::kHumanoid) {
     world_.ScaleServos(options.gait.servo_stiffness, options.gait.neck_stiffness);
   }
-  world_.Place(controller_->InitialRoot(), controller_->InitialJoints());
-  last_position_ = world_.X_WB().translation.head<2>();
+  PutAtStart();
   const Pose& X_MC = rig_.WorldCameras().front().X_MC;
   calibration_.imu = CalibrateImu(robot, options.sensors, X_MC, controller_->InitialJoints());
   calibration_.standing = StandingCameraOf(robot, X_MC, controller_->InitialRoot(), controller_->InitialJoints());
@@ -70,8 +101,36 @@ Simulation::Simulation(const Robot& robot, const gaitcam::Place& place, const Si
 
 Simulation::~Simulation() = default;
 
+void Simulation::PutAtStart() {
+  world_.Place(controller_->InitialRoot(), controller_->InitialJoints());
+  last_position_ = world_.X_WB().translation.head<2>();
+}
+
+void Simulation::Restart(const Eigen::Vector3d& start, uint64_t seed) {
+  options_.start = start;
+  const Robot& robot = world_.robot();
+  controller_ = MakeController(robot, world_.nominal_model(), options_, StartPose({}, start));
+  PutAtStart();
+  rig_.Reseed(seed);
+  sensors_ = SensorSuite(world_, options_.sensors, seed);
+  frame_ = 0;
+  status_ = SimulationStatus::kWalking;
+  end_time_s_ = distance_m_ = scan_time_s_ = 0;
+  joints_.clear();
+  pans_.clear();
+}
+
+void Simulation::RequestScan() {
+  if (controller_->Scans()) return;
+  const double exposure_s = 1e-3 * options_.camera.exposure.exposure_ms;
+  controller_->RequestScan(PlanHeadScan(world_.robot(), options_.scan, calibration_.camera, exposure_s));
+}
+
 int64_t Simulation::ExpectedFrames() const {
-  return int64_t(ExpectedTime(world_.robot(), options_) * options_.camera.rate_hz);
+  if (path_time_s_ < 0) path_time_s_ = PathTime(world_.robot(), options_);
+  double time_s = path_time_s_ + scan_time_s_;
+  if (options_.duration_s > 0) time_s = std::min(options_.duration_s, time_s);
+  return int64_t(time_s * options_.camera.rate_hz);
 }
 
 void Simulation::End(SimulationStatus status) {
@@ -88,6 +147,8 @@ void Simulation::Control() {
   joints_.push_back(input.joints);
   if (options_.path.feedback == "truth") input.X_WB = world_.X_WB();
   world_.SetTargets(controller_->Update(input));
+  if (controller_->Scans()) scan_time_s_ += 1e-9 * double(world_.control_period_ns());
+  pans_.push_back({input.stamp_ns, head_pan_.Of(input.joints.position), controller_->SweepTurn()});
   const Eigen::Vector2d position = world_.X_WB().translation.head<2>();
   distance_m_ += (position - last_position_).norm();
   last_position_ = position;
@@ -128,10 +189,24 @@ void Simulation::FillTruth(int64_t stamp_ns, FrameTruth& truth) {
   truth.right_contact = world_.FootContact(1);
 }
 
+/// Of an exposure that lies in a sweep from its first control period to its last.
+void Simulation::FillScan(const ShutterInterval& shutter, Observation& observation) const {
+  LineFit pan(observation.stamp_ns);
+  std::optional<double> turn;
+  for (const PanSample& sample : pans_) {
+    if (std::abs(sample.stamp_ns - observation.stamp_ns) <= kPanFit_ns) pan.Add(sample.stamp_ns, sample.pan_rad);
+    if (sample.stamp_ns + world_.control_period_ns() <= shutter.open_ns) continue;
+    if (!sample.sweep_turn_rad) return;
+    turn = sample.sweep_turn_rad;
+  }
+  if (turn) observation.scan = ScanState{pan.Value(), *turn};
+}
+
 std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
   if (status_ != SimulationStatus::kWalking) return std::nullopt;
   const int64_t stamp_ns = rig_.FrameStamp(frame_);
   const ShutterInterval shutter = rig_.Shutter(stamp_ns);
+  while (!pans_.empty() && pans_.front().stamp_ns < shutter.open_ns - kPanFit_ns) pans_.pop_front();
   if (!WalkUntil(shutter.close_ns)) return std::nullopt;
   world_.record().DropBefore(shutter.open_ns);
   RigFrame exposed = rig_.Expose(renderer_, world_.record(), frame_++, truth);
@@ -144,6 +219,7 @@ std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
   frame.observation.depth = std::move(exposed.depth);
   frame.observation.imu = sensors_.TakeImu();
   frame.observation.joints = std::exchange(joints_, {});
+  FillScan(shutter, frame.observation);
   frame.truth.camera = std::move(exposed.left.truth);
   FillTruth(stamp_ns, frame.truth);
   return frame;

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -25,6 +26,7 @@ struct SimulationOptions {
   OmniDriveOptions drive;
   CameraOptions camera;
   SensorOptions sensors;
+  HeadScanOptions scan;                  ///< How it looks all around when asked to.
   double duration_s = 0;                 ///< 0: until the path ends.
   std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg; the place's own if absent.
 };
@@ -65,6 +67,18 @@ class Simulation {
   /// @returns nothing when the run is over: see status().
   std::optional<SimulatedFrame> Next(const TruthOptions& truth = {});
 
+  /// Asks the robot to stop, to look all around, and to go on; meanwhile, asking again changes nothing. What it sees in
+  /// its sweeps has Observation::scan.
+  /// @throws BadOption if its head does not reach far enough: see CheckHeadScan.
+  void RequestScan();
+  /// It was asked to and has not gone on yet.
+  bool scans() const { return controller_->Scans(); }
+
+  /// Puts the robot elsewhere, at rest and at time 0, as if it had been created there: place, model and renderer are
+  /// those that are there already. @param start x m, y m, yaw deg. @param seed of cameras and sensors; what the first
+  /// seed made of masses and friction stays.
+  void Restart(const Eigen::Vector3d& start, uint64_t seed);
+
   SimulationStatus status() const { return status_; }
   /// Seconds from the start at which the robot fell, or the run ended.
   double end_time_s() const { return end_time_s_; }
@@ -78,9 +92,18 @@ class Simulation {
 
  private:
   bool WalkUntil(int64_t stamp_ns);
+  void PutAtStart();
   void Control();
+  void FillScan(const ShutterInterval& shutter, Observation& observation) const;
   void FillTruth(int64_t stamp_ns, FrameTruth& truth);
   void End(SimulationStatus status);
+
+  /// Where the head looked at one control period, by its encoders, and whether it swept.
+  struct PanSample {
+    int64_t stamp_ns;
+    double pan_rad;
+    std::optional<double> sweep_turn_rad;
+  };
 
   SimulationOptions options_;
   EglContext gl_;
@@ -96,7 +119,15 @@ class Simulation {
   double end_time_s_ = 0, distance_m_ = 0;
   Eigen::Vector2d last_position_;
   std::vector<JointSample> joints_;  ///< Since the last frame, one per control period.
+  HeadPan head_pan_;
+  std::deque<PanSample> pans_;       ///< Of the last exposure and a little more.
+  mutable double path_time_s_ = -1;  ///< Once it was asked for.
+  double scan_time_s_ = 0;           ///< Spent in scans so far.
 };
+
+/// Whether a robot can look all around when asked to. @throws BadOption: see PlanHeadScan, and CheckGait for the turn
+/// on the spot that it may take.
+void CheckHeadScan(const Robot& robot, const SimulationOptions& options);
 
 /// Whether a robot can do what the options ask, without running it: the model compiles, the gait is within reach.
 /// @throws BadInput or BadOption naming the limit.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "algorithms/core/errors.h"
 
@@ -9,6 +10,8 @@ namespace gaitcam {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of a step: a tick that falls on a step's begin belongs to it
+// The preview hardly moves the centre of mass so long before the ZMP moves: exp(-omega t) of the way, 2 % here.
+constexpr double kPutOff_s = 0.5;
 
 /// From 0 to 1 with velocity and acceleration 0 at both ends.
 double Quintic(double s) {
@@ -29,13 +32,62 @@ PreviewOptions Preview(const WalkPatternOptions& options) {
 }  // namespace
 
 WalkPattern::WalkPattern(const GaitOptions& gait, const WalkPatternOptions& options, FootstepPlanner planner)
-    : gait_(gait), options_(options), planner_(std::move(planner)), preview_(Preview(options)) {
+    : gait_(gait),
+      options_(options),
+      planner_(std::move(planner)),
+      preview_(Preview(options)),
+      rested_(planner_),
+      begin_s_(options.settle_s) {
   preview_.Reset(RestZmp(1));
   AppendPrints(-1, {});
-  for (int j = 0; j < preview_.reference_count(); ++j) reference_.push_back(ZmpAt((j - 1) * options.control_period_s));
+  FillReference();
   PlaceFeet(-1, 0);
   targets_.posture.com = targets_.dcm = preview_.position();
   targets_.acceleration.setZero();
+}
+
+/// What preview control sees from the next tick on: Advance() drops the first and appends the last.
+void WalkPattern::FillReference() {
+  reference_.clear();
+  for (int j = 0; j < preview_.reference_count(); ++j) {
+    reference_.push_back(ZmpAt(double(tick_ + j) * options_.control_period_s));
+  }
+}
+
+void WalkPattern::Halt() {
+  halted_ = true;
+  if (time() > begin_s_ - kPutOff_s) {
+    planner_.Halt();
+    return;
+  }
+  planner_ = rested_;
+  planner_.End();
+  begin_s_ = std::numeric_limits<double>::infinity();
+  FillReference();
+}
+
+bool WalkPattern::Halted() const {
+  return halted_ && planner_.ended() && (std::isinf(begin_s_) || StepAt(time()) >= StepCount());
+}
+
+void WalkPattern::GoOn(const PlanDrift& drift) {
+  GAITCAM_ASSERT(Halted());
+  halted_ = false;
+  planner_.GoOn();
+  if (!planner_.ended()) BeginStretch(drift);
+}
+
+void WalkPattern::TurnOnTheSpot(double turn_rad, const PlanDrift& drift) {
+  GAITCAM_ASSERT(Halted());
+  planner_.TurnOnTheSpot(turn_rad, drift);
+  BeginStretch(drift);
+}
+
+void WalkPattern::BeginStretch(const PlanDrift& drift) {
+  rested_ = planner_;
+  first_step_ = planner_.count() - 2;
+  begin_s_ = time() + options_.preview_s + options_.control_period_s;
+  AppendPrints(first_step_ - 1, drift);
 }
 
 const WalkTargets& WalkPattern::Advance(const PlanDrift& drift) {
@@ -51,23 +103,29 @@ const WalkTargets& WalkPattern::Advance(const PlanDrift& drift) {
   targets_.posture.com = preview_.position();
   targets_.dcm = preview_.Dcm();
   targets_.acceleration = preview_.acceleration();
-  PlaceFeet(step, (time() - options_.settle_s) / gait_.period_s - step);
+  PlaceFeet(step, PhaseAt(time(), step));
   return targets_;
 }
 
 int WalkPattern::StepAt(double time) const {
-  if (time < options_.settle_s) return -1;
-  return std::min(int(std::floor((time - options_.settle_s) / gait_.period_s + kRounding)), StepCount());
+  if (time < begin_s_) return first_step_ - 1;
+  return std::min(first_step_ + int(std::floor((time - begin_s_) / gait_.period_s + kRounding)), StepCount());
+}
+
+/// How far into `step`, in steps.
+double WalkPattern::PhaseAt(double time, int step) const {
+  return (time - begin_s_) / gait_.period_s - (step - first_step_);
 }
 
 bool WalkPattern::Finished() const {
-  return planner_.complete() && time() >= 2 * options_.settle_s + StepCount() * gait_.period_s;
+  if (halted_ || !planner_.complete()) return false;
+  return time() >= begin_s_ + options_.settle_s + (StepCount() - first_step_) * gait_.period_s;
 }
 
 void WalkPattern::AppendPrints(int step, const PlanDrift& drift) {
   planner_.Forget(std::max(0, step));
   const int ahead = 3 + int(std::floor(options_.preview_s / gait_.period_s + kRounding));
-  while (!planner_.complete() && planner_.count() < step + ahead + 1) planner_.Append(drift, step);
+  while (!planner_.ended() && planner_.count() < step + ahead + 1) planner_.Append(drift, step);
 }
 
 Eigen::Vector2d WalkPattern::SupportZmp(int print) const {
@@ -79,17 +137,17 @@ Eigen::Vector2d WalkPattern::RestZmp(int print) const { return 0.5 * (SupportZmp
 
 Eigen::Vector2d WalkPattern::ZmpAt(double time) const {
   const int step = StepAt(time);
-  if (step < 0) return RestZmp(1);
+  if (step < first_step_) return RestZmp(first_step_ + 1);
   const bool stopped = step == StepCount();
-  const Eigen::Vector2d from = step == 0 ? RestZmp(1) : SupportZmp(step);
+  const Eigen::Vector2d from = step == first_step_ ? RestZmp(step + 1) : SupportZmp(step);
   const Eigen::Vector2d to = stopped ? RestZmp(step + 1) : SupportZmp(step + 1);
-  const double since = time - options_.settle_s - step * gait_.period_s;
+  const double since = time - begin_s_ - (step - first_step_) * gait_.period_s;
   return from + (to - from) * std::clamp(since / (gait_.double_support_ratio * gait_.period_s), 0.0, 1.0);
 }
 
 void WalkPattern::PlaceFeet(int step, double phase) {
-  const bool standing = step < 0 || step >= StepCount();
-  const int stance_print = step < 0 ? 1 : step + 1;  // standing: the later of the two prints
+  const bool standing = step < first_step_ || step >= StepCount();
+  const int stance_print = std::max(step, first_step_) + 1;  // standing: the later of the two prints
   const Footprint& stance = planner_.print(stance_print);
   const Footprint& other = planner_.print(stance_print - 1);
   const auto on_floor = [&](const Footprint& p) { return p.ankle.Lifted(options_.ankle_height_m); };
@@ -102,7 +160,8 @@ void WalkPattern::PlaceFeet(int step, double phase) {
   targets_.gait = {};
   if (standing) {
     // The foot of the last step's stance gives half of the weight to the one that has just landed.
-    if (step > 0) targets_.load[other.side] = Mix(1, 0.5, std::clamp(phase / gait_.double_support_ratio, 0.0, 1.0));
+    if (step > first_step_)
+      targets_.load[other.side] = Mix(1, 0.5, std::clamp(phase / gait_.double_support_ratio, 0.0, 1.0));
     targets_.load[stance.side] = 1 - targets_.load[other.side];
     return;
   }
@@ -113,9 +172,9 @@ void WalkPattern::PlaceFeet(int step, double phase) {
   const double single_begin = gait_.double_support_ratio;
   if (phase < single_begin) {
     const double moved = phase / single_begin;  // as the planned ZMP does
-    targets_.load[stance.side] = step == 0 ? Mix(0.5, 1, moved) : moved;
+    targets_.load[stance.side] = step == first_step_ ? Mix(0.5, 1, moved) : moved;
     targets_.load[other.side] = 1 - targets_.load[stance.side];
-    if (step > 0) {  // give back what the foot was pressed into the floor, or kept above it
+    if (step > first_step_) {  // give back what the foot was pressed into the floor, or kept above it
       targets_.posture.X_PA[stance.side].translation.z() +=
           gait_.landing_offset_m * (1 - Quintic(phase / single_begin));
     }

@@ -2,7 +2,8 @@
 ///
 /// Step k stands on print k + 1 while the other foot swings from print k to print k + 2. It begins with both feet down,
 /// while the planned ZMP moves from the old support to the new one. Before the first and after the last step the robot
-/// stands on both feet.
+/// stands on both feet, and where it was halted on its way: then a new stretch of steps begins, whose first step k
+/// again stands on print k + 1.
 
 #pragma once
 
@@ -46,6 +47,16 @@ class WalkPattern {
   const WalkTargets& Advance(const PlanDrift& drift);
   const WalkTargets& targets() const { return targets_; }
 
+  /// Ends the steps as soon as the footprints that preview control has seen allow, feet side by side. The path's end
+  /// is as good; a stretch of steps that is about to begin is put off.
+  void Halt();
+  /// It was halted, and has come to stand.
+  bool Halted() const;
+  /// Follows the path again, or turns on the spot and halts again; the first step begins when the preview has seen it.
+  /// @pre Halted().
+  void GoOn(const PlanDrift& drift);
+  void TurnOnTheSpot(double turn_rad, const PlanDrift& drift);
+
   /// The next Advance() begins a step, and may append footprints.
   bool StepIsDue() const { return StepAt(time() + options_.control_period_s) != StepAt(time()); }
   /// The time of the present targets, s.
@@ -53,11 +64,17 @@ class WalkPattern {
   /// Stood for the settling time after the last step.
   bool Finished() const;
   const FootstepPlanner& planner() const { return planner_; }
+  /// Of the present stretch of steps.
+  int first_step() const { return first_step_; }
   const Eigen::Vector2d cart_zmp() const { return preview_.Zmp(); }
 
  private:
   int StepAt(double time) const;
-  int StepCount() const { return planner_.complete() ? planner_.count() - 2 : 1 << 30; }
+  /// The number of the step that will not be made, of all stretches together.
+  int StepCount() const { return planner_.ended() ? planner_.count() - 2 : 1 << 30; }
+  double PhaseAt(double time, int step) const;
+  void BeginStretch(const PlanDrift& drift);
+  void FillReference();
   Eigen::Vector2d SupportZmp(int print) const;
   Eigen::Vector2d RestZmp(int print) const;
   Eigen::Vector2d ZmpAt(double time) const;
@@ -70,6 +87,10 @@ class WalkPattern {
   FootstepPlanner planner_;
   PreviewControl preview_;
   WalkTargets targets_;
+  FootstepPlanner rested_;  ///< As it was before the present stretch.
+  double begin_s_;          ///< Of that stretch; infinite while it is put off.
+  int first_step_ = 0;      ///< Of that stretch.
+  bool halted_ = false;
   int64_t tick_ = -1;
   std::vector<Eigen::Vector2d> reference_;
 };

@@ -30,6 +30,7 @@ class Walker : public Controller {
         plan_(PlanGait(robot, nominal, options_, gait, path, period_s_, start)),
         estimator_(robot, {options_.attitude_gain, options_.velocity_filter_s}, plan_.initial.X_PB),
         feedforward_(robot, gait.servo_stiffness, period_s_, options_.feedforward),
+        head_pan_(robot),
         targets_(plan_.posture.joints()) {
     MoveNeck(0);
     initial_joints_ = targets_;
@@ -40,9 +41,18 @@ class Walker : public Controller {
   GaitState gait() const override { return plan_.pattern.targets().gait; }
 
   bool Finished() const override {
-    if (path_.kind == "stand") return plan_.pattern.time() >= 2 * path_.settle_s + path_.duration_s;
+    if (scan_.active()) return false;
+    if (path_.kind == "stand") return plan_.pattern.time() - scanned_s_ >= 2 * path_.settle_s + path_.duration_s;
     return plan_.pattern.Finished();
   }
+
+  void RequestScan(const HeadScanPlan& plan) override {
+    plan_.pattern.Halt();
+    scan_.Begin(plan, head_pan_.Of(targets_));
+  }
+
+  bool Scans() const override { return scan_.active(); }
+  std::optional<double> SweepTurn() const override { return scan_.body_turn_rad(); }
 
   const std::vector<double>& Update(const ControlInput& input) override {
     Sense(input);
@@ -55,7 +65,8 @@ class Walker : public Controller {
     MoveLegs(plan);
     AddFeedforward(plan);
     SwingArms(plan);
-    MoveNeck(plan_.pattern.time());
+    if (scan_.active()) Scan();
+    MoveNeck(plan_.pattern.time() - scanned_s_);
     return targets_;
   }
 
@@ -75,10 +86,23 @@ class Walker : public Controller {
     course_.Add(PlanarPose(measured), PlanarPose(solution_->X_PB));
   }
 
+  /// What the scan asks of the feet.
+  void Scan() {
+    const HeadScan::Order order = scan_.Advance(period_s_, plan_.pattern.Halted(), estimator_.X_OB().Yaw());
+    scanned_s_ += period_s_;
+    if (order.kind == HeadScan::Order::Kind::kNone) return;
+    if (!course_.empty()) drift_ = course_.Take();
+    if (order.kind == HeadScan::Order::Kind::kTurn) {
+      plan_.pattern.TurnOnTheSpot(order.turn_rad, drift_);
+    } else {
+      plan_.pattern.GoOn(drift_);
+    }
+  }
+
   /// Moves the centre of mass against the error of the divergent component of motion: where the robot would fall to.
   void ShiftCenterOfMass(const WalkTargets& plan) {
     Eigen::Vector2d wanted(0, 0);
-    if (plan.gait.step >= 1) {
+    if (plan.gait.step > plan_.pattern.first_step()) {
       const ComOverFoot& com = estimator_.com_over_foot(plan.stance);
       const Eigen::Vector2d measured = com.position + com.velocity / plan_.natural_frequency;
       const PlanarPose X_PA(plan.posture.X_PA[size_t(plan.stance)]);
@@ -142,12 +166,14 @@ class Walker : public Controller {
 
   void MoveNeck(double time) {
     double pan = 0;
-    if (path_.kind == "stand") {
+    if (scan_.active()) {
+      pan = scan_.pan_rad();
+    } else if (path_.kind == "stand") {
       const double since = std::max(0.0, time - path_.settle_s), left = std::max(0.0, path_.duration_s - since);
       const double fade = std::clamp(std::min(since, left) / kFade_s, 0.0, 1.0);
       pan = fade * path_.pan_amplitude_rad * std::sin(2 * kPi * since / path_.pan_period_s);
     }
-    SetJoint(robot_.neck_pan, pan, 2);
+    head_pan_.Set(pan, targets_);
     SetJoint(robot_.neck_tilt, path_.head_tilt_rad, 1);
   }
 
@@ -168,6 +194,9 @@ class Walker : public Controller {
   GaitPlan plan_;
   StateEstimator estimator_;
   ServoFeedforward feedforward_;
+  HeadPan head_pan_;
+  HeadScan scan_;
+  double scanned_s_ = 0;  ///< In all scans so far: standing with a swinging neck goes on as if they had not been.
   std::vector<double> targets_, initial_joints_;
   std::optional<Posture::Solution> solution_;
   Course course_;

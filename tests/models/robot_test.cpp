@@ -72,7 +72,7 @@ class UserRobot : public testing::Test {
 };
 
 TEST(Robot, ShippedOnesAreListedAndRead) {
-  EXPECT_THAT(ListRobots(kModels), testing::ElementsAre("khr1hv", "nimbro", "omni_base", "robovie_m"));
+  EXPECT_THAT(ListRobots(kModels), testing::ElementsAre("khr1hv", "khr1hv_pan", "nimbro", "omni_base", "robovie_m"));
   for (const std::string& name : ListRobots(kModels)) {
     const Robot robot = ReadRobot(name, kModels);
     EXPECT_EQ(robot.name, name);

@@ -53,7 +53,7 @@ class WalkerTest : public testing::Test {
 };
 
 TEST_F(WalkerTest, AcceptsEveryPresetOfEveryHumanoid) {
-  for (const char* name : {"khr1hv", "robovie_m", "nimbro"}) {
+  for (const char* name : {"khr1hv", "khr1hv_pan", "robovie_m", "nimbro"}) {
     const Robot robot = ReadShippedRobot(name);
     const World world(robot, Place{}, PhysicsOptions{}, {}, 1);
     for (const auto& [preset, gait] : robot.gaits) {
