@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "algorithms/core/pose.h"
+#include "models/people.h"
 #include "models/yaml_fields.h"
 
 namespace gaitcam {
@@ -55,6 +56,9 @@ struct Place {
   std::vector<PlaceTexture> textures;
   std::vector<PlaceBox> boxes;  ///< Walls, posters, furniture, table tops, lines, goals.
   std::vector<PlaceLight> lights;
+  std::vector<PersonOptions> people;                 ///< Who walks or stands there; see AddPeople.
+  int cloth_texture = -1;                            ///< What they wear; its repeat spans `cloth_size_m`.
+  Eigen::Vector2d cloth_size_m{1, 1};
   double ambient = 0.4;                              ///< 0..1
   Eigen::Vector3d background_rgb{0.55, 0.65, 0.75};  ///< What a camera sees beyond everything.
   Eigen::Vector3d start{0, 0, 0};  ///< Where robots start unless the scenario says otherwise: x, y, yaw.

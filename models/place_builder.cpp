@@ -402,6 +402,11 @@ Place PlaceBuilder::Build() {
   place_.background_rgb = file_.background_rgb;
   place_.ambient = file_.ambient;
   place_.start = {file_.start.x(), file_.start.y(), Radians(file_.start.z())};
+  try {
+    AddPeople(file_.people, place_);
+  } catch (const BadInput& e) {
+    root_.Child("people").Fail(e.what());
+  }
   return std::move(place_);
 }
 

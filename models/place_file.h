@@ -12,6 +12,8 @@
 ///     - {kind: table, at: [1, 1], yaw_deg: 30, size: [1.2, 0.7, 0.72], texture: wood}
 ///   boxes:
 ///     - {at: [0, 2, 0.2], size: [0.4, 0.4, 0.4], texture: cardboard}
+///   people:
+///     - {path: [[1, -2], [1, 2]], repeat: true, speed_m_s: 1.1}
 
 #pragma once
 
@@ -143,6 +145,7 @@ struct PlaceFile {
   double ambient = 0.4;
   Eigen::Vector3d background_rgb{0.55, 0.65, 0.75};
   Eigen::Vector3d start{0, 0, 0};  ///< x, y in m; yaw in degrees.
+  std::vector<PersonOptions> people;
 };
 void ReadYaml(const YamlNode& node, std::map<std::string, TextureOptions>& textures);
 
@@ -251,6 +254,7 @@ void VisitFields(Visitor& visit, PlaceFile& o) {
   visit("ambient", o.ambient, Between(0, 1), "light from everywhere");
   visit("background_rgb", o.background_rgb, Nested(), "beyond everything");
   visit("start", o.start, Nested(), "x, y in m, yaw in degrees");
+  visit("people", o.people, Nested(), "who walks or stands there");
 }
 
 }  // namespace gaitcam

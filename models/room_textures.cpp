@@ -42,6 +42,17 @@ cv::Mat MakeWood(const TextureOptions& o, cv::Size size, RandomStream& random) {
   return bgr;
 }
 
+cv::Mat MakeCloth(const TextureOptions& o, cv::Size size, RandomStream& random) {
+  const int fold = 1 << std::clamp(int(std::lround(std::log2(std::max(1.0, o.unit_m * o.px_per_m)))), 4, 7);
+  const cv::Mat folds = Enlarge(FractalNoise(size / 8, fold / 8, 1, 0.45, random), 8, 8);
+  const cv::Mat weft = StreakNoise(size, 16, random);
+  cv::Mat warp;
+  cv::transpose(StreakNoise({size.height, size.width}, 32, random), warp);
+  const cv::Mat slubs = FractalNoise(size, 16, 2, 0.9, random);
+  const cv::Mat field = 1 + o.contrast * (0.1 * folds + 0.05 * weft + 0.07 * warp + 0.05 * slubs);
+  return Tint(field, o.rgb);
+}
+
 cv::Mat MakeCardboard(const TextureOptions& o, cv::Size size, RandomStream& random) {
   cv::Mat field = FractalNoise(size, 16, 1, 0.8, random);
   for (int x = 0; x < size.width; ++x) {

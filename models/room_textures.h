@@ -15,6 +15,9 @@ cv::Mat MakePaint(const TextureOptions& options, cv::Size size, RandomStream& ra
 /// A board of furniture: growth rings and fibres along y. Wraps around.
 cv::Mat MakeWood(const TextureOptions& options, cv::Size size, RandomStream& random);
 
+/// Cloth of clothes that are worn: threads that cross, slubs, and soft folds of about `unit_m`. Wraps around.
+cv::Mat MakeCloth(const TextureOptions& options, cv::Size size, RandomStream& random);
+
 /// The side of a packing carton: kraft paper, the shadow of its flutes, a strip of tape, printed marks and a label.
 cv::Mat MakeCardboard(const TextureOptions& options, cv::Size size, RandomStream& random);
 

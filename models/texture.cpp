@@ -31,6 +31,7 @@ const std::vector<Kind>& Kinds() {
       {"cardboard", {0.5, 0.4}, 500, 0.008, {0.66, 0.5, 0.34}, 16, MakeCardboard},
       {"carpet", {4, 4}, 512, 0.5, {0.4, 0.42, 0.46}, 128, MakeCarpet},
       {"ceiling", {3.6, 3.6}, 160, 0.6, {0.9, 0.9, 0.88}, 16, MakeCeiling},
+      {"cloth", {0.64, 0.64}, 800, 0.16, {0.8, 0.8, 0.8}, 128, MakeCloth},
       {"concrete", {4, 4}, 400, 0.3, {0.6, 0.59, 0.57}, 128, MakeConcrete},
       {"dead_leaves", {0.6, 0.8}, 500, 0.3, {0.5, 0.5, 0.5}, 16, MakeDeadLeaves},
       {"door", {1.0, 2.1}, 300, 0, {0.62, 0.5, 0.36}, 16, MakeDoor},

@@ -120,10 +120,25 @@ struct YamlFieldReader {
   }
 };
 
+/// A list of described structs that is empty says nothing, nor does an absent one, so it is left out.
+template <class T>
+bool SaysNothing(const T&) {
+  return false;
+}
+template <Described T>
+bool SaysNothing(const std::vector<T>& values) {
+  return values.empty();
+}
+template <Described T>
+bool SaysNothing(const std::optional<T>& value) {
+  return !value;
+}
+
 struct YamlFieldWriter {
   YAML::Emitter& out;
   template <class T, class Limits>
   void operator()(std::string_view key, T& member, const Limits&, std::string_view) {
+    if (SaysNothing(member)) return;
     out << YAML::Key << std::string(key) << YAML::Value;
     WriteYaml(out, static_cast<const T&>(member));
   }

@@ -201,6 +201,11 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   } catch (const BadInput& e) {
     fail_at("place", e);
   }
+  try {
+    AddPeople(scenario.people, resolved.place);
+  } catch (const BadInput& e) {
+    fail_at("people", e);
+  }
   ResolveGait(root, resolved.robot, scenario.gait);
   if (scenario.system.external) {
     ResolveExternal(root, *scenario.system.external);
@@ -231,6 +236,7 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
   scenario.robot = resolved.robot.name;
   scenario.place = resolved.place.name;
   scenario.video = {};
+  for (PersonOptions& person : scenario.people) person.name = "";
   if (frames_only) {
     scenario.system = {};
     scenario.system_seed.reset();

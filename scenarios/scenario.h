@@ -15,6 +15,7 @@
 #include "models/yaml_fields.h"
 #include "results/score.h"
 #include "sim/camera_rig.h"
+#include "sim/head_scan.h"
 #include "sim/omni_drive.h"
 #include "sim/path.h"
 #include "sim/sensors.h"
@@ -110,6 +111,7 @@ struct Scenario {
   std::string description;
   std::string robot = "khr1hv";  ///< Shipped name, or path of a robot YAML.
   std::string place = "lab";     ///< Shipped name, or path of a place YAML.
+  std::vector<PersonOptions> people;  ///< Besides those of the place.
   uint64_t seed = 1;
   double duration_s = 20;  ///< Ends here, or when the path ends, whichever is first; 0: when the path ends.
   std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg; the place's own start if absent.
@@ -119,6 +121,7 @@ struct Scenario {
   OmniDriveOptions drive;  ///< Wheeled base only.
   CameraOptions camera;
   SensorOptions sensors;
+  std::optional<HeadScanOptions> scan;  ///< How the robot looks all around when its system asks for it.
   SystemChoice system;
   std::optional<uint64_t> system_seed;  ///< Randomness of the SLAM system alone; absent: as `seed`.
   HandicapOptions handicap;
@@ -132,6 +135,7 @@ void VisitFields(Visitor& visit, Scenario& o) {
   visit("description", o.description, AnyText(), "one line for people");
   visit("robot", o.robot, AnyText(), "shipped robot, or path of a robot YAML");
   visit("place", o.place, AnyText(), "shipped place, or path of a place YAML");
+  visit("people", o.people, Nested(), "who walks or stands there besides the place's own people");
   visit("seed", o.seed, AtLeast(0), "all randomness of the run derives from it");
   visit("duration_s", o.duration_s, Between(0, 36000), "longest time; 0 is until the path ends");
   visit("start", o.start, Nested(), "x m, y m, yaw deg; the place's start if absent");
@@ -141,6 +145,7 @@ void VisitFields(Visitor& visit, Scenario& o) {
   visit("drive", o.drive, Nested(), "wheeled base: speed and vibration");
   visit("camera", o.camera, Nested(), "the head camera");
   visit("sensors", o.sensors, Nested(), "IMU, encoders");
+  visit("scan", o.scan, Nested(), "how the robot looks all around when its system asks for it");
   visit("system", o.system, Nested(), "SLAM system: a name, or {name: ..., setting: ...}");
   visit("system_seed", o.system_seed, Nested(), "randomness of the SLAM system alone; absent: as seed");
   visit("handicap", o.handicap, Nested(), "makes the system worse on purpose, to prove a gate");

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "algorithms/core/errors.h"
+#include "models/person_shape.h"
 #include "sim/world.h"
 
 namespace gaitcam {
@@ -113,6 +114,7 @@ class MjcfWriter {
     }
     bodies_ += "<body name='scenery'>\n" + scenery_ + "</body>\n";
     WriteBody(0);
+    for (size_t i = 0; i < place_.people.size(); ++i) WritePerson(int(i));
     WriteActuators();
     bundle_.xml = fmt::format(
         "<mujoco model='{}'>\n<compiler angle='radian' autolimits='true'/>\n<size njmax='800' nconmax='150'/>\n"
@@ -217,6 +219,45 @@ class MjcfWriter {
     if (extent.head<2>().maxCoeff() > side_m) return {0, 0, index + 1};
     const Eigen::Vector3d& p = box.X_WB.translation;
     return {int(std::floor(p.x() / side_m)), int(std::floor(p.y() / side_m)), 0};
+  }
+
+  /// Bodies that are put where they belong from outside, without mass or contact: the robot moves as if nobody were
+  /// there. They come after the robot's, whose numbers they leave alone.
+  void WritePerson(int index) {
+    std::array<std::string, kPersonParts> geoms;
+    const std::vector<PersonSurface> surfaces = PersonSurfaces(place_.people[index], place_.cloth_size_m);
+    for (size_t i = 0; i < surfaces.size(); ++i) {
+      const PersonSurface& surface = surfaces[i];
+      const std::string mesh = fmt::format("person{}_{}", index, i);
+      assets_ += SurfaceMesh(mesh, surface);
+      geoms[size_t(surface.part)] +=
+          fmt::format("<geom type='mesh' mesh='{}' material='{}' rgba='{} 1' group='0' {}/>\n", mesh,
+                      surface.cloth ? TextureMaterial(place_.cloth_texture) : "matte",
+                      Text(Eigen::Vector3d(surface.cloth ? ClothColor(surface.rgb) : surface.rgb)), kNoCollision);
+    }
+    for (int part = 0; part < kPersonParts; ++part) {
+      bodies_ += fmt::format(
+          "<body name='person{}.{}' mocap='true'>\n<inertial pos='0 0 0' mass='0' diaginertia='0 0 0'/>\n{}</body>\n",
+          index, PersonPartName(PersonPart(part)), geoms[part]);
+    }
+  }
+
+  static std::string SurfaceMesh(const std::string& name, const PersonSurface& surface) {
+    std::string vertex, normal, texcoord, face;
+    for (size_t i = 0; i < surface.vertices.size(); ++i) {
+      vertex += Text(surface.vertices[i]) + " ";
+      normal += Text(surface.normals[i]) + " ";
+      texcoord += Text(surface.texcoords[i]) + " ";
+    }
+    for (const std::array<int, 3>& f : surface.faces) face += fmt::format("{} {} {} ", f[0], f[1], f[2]);
+    return fmt::format("<mesh name='{}' vertex='{}' normal='{}' texcoord='{}' face='{}'/>\n", name, vertex, normal,
+                       texcoord, face);
+  }
+
+  /// The cloth's picture is a light grey that the colour is multiplied with.
+  Eigen::Vector3d ClothColor(const Eigen::Vector3d& rgb) const {
+    const cv::Scalar mean = cv::mean(place_.textures[place_.cloth_texture].bgr) / 255;
+    return (rgb.array() / Eigen::Array3d(mean[2], mean[1], mean[0]).max(0.1)).min(1.0);
   }
 
   void WriteLight(const PlaceLight& light) {

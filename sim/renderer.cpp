@@ -137,7 +137,7 @@ void Renderer::Update(mjData& data) {
     geom.segid = 0;
     if (geom.objtype != mjOBJ_GEOM) continue;
     const int body = model_->geom_bodyid[geom.objid];
-    if (model_->body_weldid[body] != 0) {
+    if (model_->body_weldid[body] != 0 || model_->body_mocapid[body] >= 0) {
       geom.segid = body;
       moving_.push_back(int(i));
     }

@@ -87,6 +87,8 @@ World::World(const Robot& robot, const gaitcam::Place& place, const PhysicsOptio
   nominal_ = CompileMjcf(BuildMjcf(robot, place, physics, cameras), robot.urdf_file.string());
   model_.reset(mj_copyModel(nullptr, nominal_.get()));
   data_.reset(mj_makeData(model_.get()));
+  people_ = std::make_shared<std::vector<PersonWalk>>(place.people.begin(), place.people.end());
+  record_.SetPeople(people_);
   FindAddresses();
   Perturb(physics, seed);
   double height = robot_.base_height_m;
@@ -144,7 +146,7 @@ void World::ScaleServos(double legs, double neck) {
       for (int joint : leg.joints) factors[joint] = legs;
     }
   }
-  for (int joint : {robot_.neck_pan, robot_.neck_tilt}) {
+  for (int joint : {robot_.neck_pan, robot_.neck_tilt, robot_.camera_pan}) {
     if (joint >= 0) factors[joint] = neck;
   }
   for (size_t i = 0; i < factors.size(); ++i) {
@@ -178,6 +180,7 @@ void World::Place(const Pose& X_WB, const std::vector<double>& joint_positions) 
   foot_force_ = {0, 0};
   body_on_floor_ = false;
   SetTargets(targets);
+  PosePeople(model_.get(), *people_, stamp_ns(), d);
   mj_step1(model_.get(), d);
   ThrowOnWarning();
   record_.Clear();
@@ -196,8 +199,9 @@ void World::Step() {
   // mj_step in two halves, the other way round: so that kinematics and contacts in `data` are those of the new state.
   mj_step2(model_.get(), data_.get());
   ReadContacts();
-  mj_step1(model_.get(), data_.get());
   ++step_count_;
+  PosePeople(model_.get(), *people_, stamp_ns(), data_.get());
+  mj_step1(model_.get(), data_.get());
   ThrowOnWarning();
   AppendRecord();
 }

@@ -14,6 +14,7 @@
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/pose.h"
+#include "models/person_walk.h"
 #include "models/place.h"
 #include "models/robot.h"
 
@@ -65,13 +66,20 @@ class MotionRecord {
   bool empty() const { return states_.empty(); }
   int64_t first_stamp_ns() const { return states_.front().stamp_ns; }
   int64_t last_stamp_ns() const { return states_.back().stamp_ns; }
-  /// Puts `data` into the configuration at `stamp_ns` and updates kinematics, cameras and lights.
+  /// Those who walk beside the mechanism: their way is known at any time, so nothing of it is recorded.
+  /// @pre the model that `Evaluate` is given has their bodies, in this order.
+  void SetPeople(std::shared_ptr<const std::vector<PersonWalk>> people) { people_ = std::move(people); }
+  /// Puts `data` into the configuration at `stamp_ns`, people included, and updates kinematics, cameras and lights.
   /// @pre the stamp lies within the record.
   void Evaluate(const mjModel* model, int64_t stamp_ns, mjData* data) const;
 
  private:
   std::deque<PhysicsState> states_;
+  std::shared_ptr<const std::vector<PersonWalk>> people_;
 };
+
+/// Puts people where they are at an instant; their bodies move with the next kinematics.
+void PosePeople(const mjModel* model, const std::vector<PersonWalk>& people, int64_t stamp_ns, mjData* data);
 
 /// MJCF of a robot in a place, and the pictures and meshes that it names.
 struct MjcfBundle {
@@ -89,10 +97,11 @@ struct WorldCamera {
 };
 
 /// Names in the model: bodies and joints as in the URDF, `servo_JOINT`, `floor`, `box0`, `box1`, ..., the cameras' own,
-/// the site `imu` with sensors `gyro` and `accelerometer`. An omni base has joints and actuators `drive_x`, `drive_y`,
-/// `drive_yaw`, `drive_pitch` and `drive_roll` between world and root. Visible shapes are in geom groups 0 (place) and
-/// 1 (robot); shapes that only collide in group 3, which is not drawn by default. The robot collides with the place,
-/// not with itself. Floor and boxes decide the friction of contacts.
+/// the site `imu` with sensors `gyro` and `accelerometer`; `person0.hips`, `person0.left_shoe`, ... (PersonPartName).
+/// An omni base has joints and actuators `drive_x`, `drive_y`, `drive_yaw`, `drive_pitch` and `drive_roll` between
+/// world and root. Visible shapes are in geom groups 0 (place) and 1 (robot); shapes that only collide in group 3,
+/// which is not drawn by default. The robot collides with the place, not with itself nor with people. Floor and boxes
+/// decide the friction of contacts.
 /// @throws BadInput if the place has more textures than MuJoCo can draw, or a mesh file cannot be read.
 MjcfBundle BuildMjcf(const Robot& robot, const Place& place, const PhysicsOptions& physics,
                      const std::vector<WorldCamera>& cameras);
@@ -158,6 +167,7 @@ class World {
   int64_t timestep_ns_ = 0, control_period_ns_ = 0, step_count_ = 0;
   double standing_height_ = 0;
   MotionRecord record_;
+  std::shared_ptr<const std::vector<PersonWalk>> people_;
   std::vector<int> qpos_address_;  ///< Per joint of Robot::joints, -1 where there is none.
   std::vector<int> actuator_;      ///< Per target, -1 where there is none.
   std::array<int, 2> foot_body_{-1, -1};

@@ -149,6 +149,14 @@ Schema SchemaOf(const GaitChoice& value) {
   return {{"type", "object"}, {"properties", visitor.properties}, {"additionalProperties", false}};
 }
 
+Schema SchemaOf(const PersonOptions& value) {
+  internal::SchemaVisitor visitor;
+  VisitFields(visitor, const_cast<PersonOptions&>(value));  // the visitor only reads
+  visitor.properties["path"]["minItems"] = 1;
+  return {
+      {"type", "object"}, {"properties", visitor.properties}, {"required", {"path"}}, {"additionalProperties", false}};
+}
+
 Schema SchemaOf(const PairChoice&) { return {{"anyOf", {{{"type", "boolean"}}, SchemaOf(PairOptions())}}}; }
 
 Schema SchemaOf(const Assignments&) { return Reference("assignments"); }

@@ -37,6 +37,7 @@ Schema SchemaOf(const Eigen::Vector3d&);
 Schema SchemaOf(const std::map<std::string, double>&);
 Schema SchemaOf(const SystemChoice&);
 Schema SchemaOf(const GaitChoice&);
+Schema SchemaOf(const PersonOptions&);
 Schema SchemaOf(const PairChoice&);
 Schema SchemaOf(const Assignments&);  ///< Refers to $defs/assignments of the file's schema.
 Schema SchemaOf(const Axes&);         ///< Refers to $defs/axes.
