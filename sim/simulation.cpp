@@ -190,27 +190,33 @@ void Simulation::FillTruth(int64_t stamp_ns, FrameTruth& truth) {
 }
 
 /// Of an exposure that lies in a sweep from its first control period to its last.
-void Simulation::FillScan(const ShutterInterval& shutter, Observation& observation) const {
-  LineFit pan(observation.stamp_ns);
+std::optional<ScanState> Simulation::ScanAt(int64_t stamp_ns) const {
+  const int64_t open_ns = rig_.Shutter(stamp_ns).open_ns;
+  LineFit pan(stamp_ns);
   std::optional<double> turn;
   for (const PanSample& sample : pans_) {
-    if (std::abs(sample.stamp_ns - observation.stamp_ns) <= kPanFit_ns) pan.Add(sample.stamp_ns, sample.pan_rad);
-    if (sample.stamp_ns + world_.control_period_ns() <= shutter.open_ns) continue;
-    if (!sample.sweep_turn_rad) return;
+    if (std::abs(sample.stamp_ns - stamp_ns) <= kPanFit_ns) pan.Add(sample.stamp_ns, sample.pan_rad);
+    if (sample.stamp_ns + world_.control_period_ns() <= open_ns) continue;
+    if (!sample.sweep_turn_rad) return std::nullopt;
     turn = sample.sweep_turn_rad;
   }
-  if (turn) observation.scan = ScanState{pan.Value(), *turn};
+  if (!turn) return std::nullopt;
+  return ScanState{pan.Value(), *turn};
 }
 
-std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
-  if (status_ != SimulationStatus::kWalking) return std::nullopt;
-  const int64_t stamp_ns = rig_.FrameStamp(frame_);
-  const ShutterInterval shutter = rig_.Shutter(stamp_ns);
+/// To the end of the next frame's exposure. @returns false if the run is over.
+bool Simulation::WalkToNextFrame() {
+  if (status_ != SimulationStatus::kWalking) return false;
+  const ShutterInterval shutter = rig_.Shutter(rig_.FrameStamp(frame_));
   while (!pans_.empty() && pans_.front().stamp_ns < shutter.open_ns - kPanFit_ns) pans_.pop_front();
-  if (!WalkUntil(shutter.close_ns)) return std::nullopt;
+  if (!WalkUntil(shutter.close_ns)) return false;
   world_.record().DropBefore(shutter.open_ns);
-  RigFrame exposed = rig_.Expose(renderer_, world_.record(), frame_++, truth);
+  return true;
+}
 
+SimulatedFrame Simulation::Film(const TruthOptions& truth) {
+  const int64_t stamp_ns = rig_.FrameStamp(frame_);
+  RigFrame exposed = rig_.Expose(renderer_, world_.record(), frame_++, truth);
   SimulatedFrame frame;
   frame.observation.stamp_ns = stamp_ns;
   frame.observation.exposure_ms = options_.camera.exposure.exposure_ms;
@@ -219,10 +225,37 @@ std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
   frame.observation.depth = std::move(exposed.depth);
   frame.observation.imu = sensors_.TakeImu();
   frame.observation.joints = std::exchange(joints_, {});
-  FillScan(shutter, frame.observation);
+  frame.observation.scan = ScanAt(stamp_ns);
   frame.truth.camera = std::move(exposed.left.truth);
   FillTruth(stamp_ns, frame.truth);
   return frame;
+}
+
+void Simulation::SkipFrame() {
+  ++frame_;
+  sensors_.TakeImu();
+  joints_.clear();
+}
+
+std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
+  if (!WalkToNextFrame()) return std::nullopt;
+  return Film(truth);
+}
+
+std::optional<SimulatedFrame> Simulation::NextFrom(double time_s, const TruthOptions& truth) {
+  while (WalkToNextFrame()) {
+    if (1e-9 * double(world_.stamp_ns()) >= time_s) return Film(truth);
+    SkipFrame();
+  }
+  return std::nullopt;
+}
+
+std::optional<SimulatedFrame> Simulation::NextOfScan(const TruthOptions& truth) {
+  while (controller_->Scans() && WalkToNextFrame()) {
+    if (ScanAt(rig_.FrameStamp(frame_))) return Film(truth);
+    SkipFrame();
+  }
+  return std::nullopt;
 }
 
 cv::Mat Simulation::ThirdPersonView(int width_px, int height_px) {

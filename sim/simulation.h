@@ -67,6 +67,12 @@ class Simulation {
   /// @returns nothing when the run is over: see status().
   std::optional<SimulatedFrame> Next(const TruthOptions& truth = {});
 
+  /// Walks on without filming to the first frame whose exposure ends at `time_s` or later, and films that.
+  std::optional<SimulatedFrame> NextFrom(double time_s, const TruthOptions& truth = {});
+  /// Walks on to the next frame of the present scan's sweeps; what lies between is not filmed.
+  /// @returns nothing when the scan, or the run, is over.
+  std::optional<SimulatedFrame> NextOfScan(const TruthOptions& truth = {});
+
   /// Asks the robot to stop, to look all around, and to go on; meanwhile, asking again changes nothing. What it sees in
   /// its sweeps has Observation::scan.
   /// @throws BadOption if its head does not reach far enough: see CheckHeadScan.
@@ -92,9 +98,12 @@ class Simulation {
 
  private:
   bool WalkUntil(int64_t stamp_ns);
+  bool WalkToNextFrame();
+  SimulatedFrame Film(const TruthOptions& truth);
+  void SkipFrame();
   void PutAtStart();
   void Control();
-  void FillScan(const ShutterInterval& shutter, Observation& observation) const;
+  std::optional<ScanState> ScanAt(int64_t stamp_ns) const;
   void FillTruth(int64_t stamp_ns, FrameTruth& truth);
   void End(SimulationStatus status);
 

@@ -11,10 +11,11 @@
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/trajectory_file.h"
+#include "scenarios/runs/live_tracking.h"
 #include "scenarios/runs/mapped_floor.h"
 #include "scenarios/runs/output_folder.h"
+#include "scenarios/runs/runner.h"
 #include "scenarios/runs/tracked_system.h"
-#include "scenarios/runs/tracking_thread.h"
 #include "scenarios/versions.h"
 
 namespace gaitcam {
@@ -61,33 +62,71 @@ JobRecord FromJson(const nlohmann::json& json) {
   return record;
 }
 
-/// @returns nothing if interrupted.
-std::optional<Estimate> TrackSequence(const Scenario& scenario, const CachedSequence& sequence, const fs::path& folder,
-                                      const std::function<bool()>& interrupted) {
-  DatasetReader reader(sequence.folders.sensors);
-  TrackingThread tracker(MakeTrackedSystem(scenario, reader.calibration(), folder));
+/// A walk that was tracked: what there is to score, and how it ended.
+struct TrackedWalk {
+  Estimate estimate;
+  Trajectory truth;
+  std::vector<int64_t> stamps;
+  std::vector<double> blur_px;  ///< Median over the image, per frame.
+  std::string status;
+  double end_time_s = 0;
+  std::string renderer;
+};
+
+/// Frames from the cache. @returns nothing if interrupted.
+std::optional<TrackedWalk> TrackCached(const ResolvedScenario& resolved, const fs::path& folder,
+                                       const JobOptions& options) {
+  const std::optional<CachedSequence> sequence =
+      SequenceCache(options.cache).Get(resolved, options.quiet, options.interrupted);
+  if (!sequence) return std::nullopt;
+  TrackedWalk walk;
+  DatasetReader reader(sequence->folders.sensors);
+  TrackingThread tracker(MakeTrackedSystem(resolved.scenario, reader.calibration(), folder));
   while (std::optional<Observation> observation = reader.Next()) {
-    if (interrupted()) return std::nullopt;
+    if (options.interrupted()) return std::nullopt;
     tracker.Push(std::move(*observation));
   }
-  return tracker.Finish();
+  walk.estimate = tracker.Finish();
+  walk.truth = sequence->Truth();
+  for (const RecordedTruth& frame : sequence->ReadFrames()) {
+    walk.stamps.push_back(frame.stamp_ns);
+    walk.blur_px.push_back(frame.blur_median_px);
+  }
+  walk.status = sequence->status;
+  walk.end_time_s = sequence->end_time_s;
+  walk.renderer = sequence->renderer;
+  return walk;
+}
+
+/// A walk of its own, for a system that acts on the body. @returns nothing if interrupted.
+std::optional<TrackedWalk> TrackItsOwn(const ResolvedScenario& resolved, const fs::path& folder,
+                                       const JobOptions& options) {
+  const Scenario& scenario = resolved.scenario;
+  Simulation simulation(resolved.robot, resolved.place, SimulationOptionsOf(scenario), scenario.seed);
+  TrackingThread tracker(MakeTrackedSystem(scenario, simulation.calibration(), folder));
+  TrackedWalk walk;
+  LiveTrackingOptions live{options.interrupted, [] { return TruthOptions{false, false, true}; }};
+  live.on_frame = [&](const SimulatedFrame& frame) {
+    walk.truth.push_back({frame.truth.stamp_ns, frame.truth.camera.X_WC});
+    walk.stamps.push_back(frame.truth.stamp_ns);
+    walk.blur_px.push_back(frame.truth.camera.blur_median_px);
+  };
+  walk.estimate = TrackLive(simulation, tracker, live);
+  if (simulation.status() == SimulationStatus::kWalking) return std::nullopt;
+  walk.status = StatusText(EndOf(simulation));
+  walk.end_time_s = simulation.end_time_s();
+  walk.renderer = simulation.gl().renderer();
+  return walk;
 }
 
 /// Scores what there is to score, and keeps why not where there is too little.
-std::optional<Scores> ScoreInto(const Estimate& estimate, const CachedSequence& sequence,
-                                const ResolvedScenario& resolved, JobRecord& record) {
-  std::vector<int64_t> stamps;
-  std::vector<double> blur_px;
-  for (const RecordedTruth& frame : sequence.ReadFrames()) {
-    stamps.push_back(frame.stamp_ns);
-    blur_px.push_back(frame.blur_median_px);
-  }
-  if (!blur_px.empty()) record.blur_median_px = UpperMedian(std::move(blur_px));
-  const double poses = double(estimate.ToTrajectory().size());
-  record.scores["coverage_ratio"] = stamps.empty() ? 0 : poses / double(stamps.size());
+std::optional<Scores> ScoreInto(const TrackedWalk& walk, const ResolvedScenario& resolved, JobRecord& record) {
+  if (!walk.blur_px.empty()) record.blur_median_px = UpperMedian(walk.blur_px);
+  const double poses = double(walk.estimate.ToTrajectory().size());
+  record.scores["coverage_ratio"] = walk.stamps.empty() ? 0 : poses / double(walk.stamps.size());
   try {
-    Scores scores = ScoreEstimate(estimate, sequence.Truth(), stamps, resolved.scenario.score);
-    AddMapScores(estimate, resolved.place, scores);
+    Scores scores = ScoreEstimate(walk.estimate, walk.truth, walk.stamps, resolved.scenario.score);
+    AddMapScores(walk.estimate, resolved.place, scores);
     for (const Score& score : scores.scores) record.scores[score.name] = score.value;
     for (const Score& score : scores.timing) record.timing[score.name] = score.value;
     return scores;
@@ -117,23 +156,21 @@ std::string ProgramsFingerprint(const Scenario& scenario, const fs::path& progra
 
 bool RunJob(const ResolvedScenario& resolved, const JobOptions& options) {
   const Scenario& scenario = resolved.scenario;
-  const std::optional<CachedSequence> sequence =
-      SequenceCache(options.cache).Get(resolved, options.quiet, options.interrupted);
-  if (!sequence) return false;
   JobRecord record;
   record.hash = HashOf(resolved);
   OutputFolder folder(options.runs / record.hash, "");
-  const std::optional<Estimate> estimate = TrackSequence(scenario, *sequence, folder.path(), options.interrupted);
-  if (!estimate) return false;
-  record.status = sequence->status;
-  record.failure = estimate->failure;
-  record.frames = sequence->frames;
-  record.end_time_s = sequence->end_time_s;
-  record.renderer = sequence->renderer;
-  const std::optional<Scores> scores = ScoreInto(*estimate, *sequence, resolved, record);
-  WriteTrajectory(folder.path() / "estimate.txt", estimate->ToTrajectory(), TrajectoryFormat::kTum);
-  WriteTrajectory(folder.path() / "truth.txt", sequence->Truth(), TrajectoryFormat::kTum);
-  folder.WriteText("tracking.csv", TrackingCsv(*estimate));
+  const auto track = ActsOnBody(scenario) ? TrackItsOwn : TrackCached;
+  const std::optional<TrackedWalk> walk = track(resolved, folder.path(), options);
+  if (!walk) return false;
+  record.status = walk->status;
+  record.failure = walk->estimate.failure;
+  record.frames = int64_t(walk->stamps.size());
+  record.end_time_s = walk->end_time_s;
+  record.renderer = walk->renderer;
+  const std::optional<Scores> scores = ScoreInto(*walk, resolved, record);
+  WriteTrajectory(folder.path() / "estimate.txt", walk->estimate.ToTrajectory(), TrajectoryFormat::kTum);
+  WriteTrajectory(folder.path() / "truth.txt", walk->truth, TrajectoryFormat::kTum);
+  folder.WriteText("tracking.csv", TrackingCsv(walk->estimate));
   folder.WriteText("scenario.yaml", resolved.ToYaml());
   if (scores) folder.WriteText("scores.json", ScoresToJson(*scores));
   folder.WriteText("job.json", ToJson(record, ProgramsFingerprint(scenario)).dump(2) + "\n");

@@ -25,6 +25,9 @@ class HandicappedSystem : public System {
   FrameEstimate Track(const Observation& observation) override;
   std::vector<FrameEstimate> Finish() override;
   std::optional<FloorPicture> Floor() const override { return system_->Floor(); }
+  std::optional<PlaceGraph> Places() const override { return system_->Places(); }
+  bool Acts() const override { return system_->Acts(); }
+  BodyRequest Request() const override { return system_->Request(); }
   std::string Failure() const override { return system_->Failure(); }
 
  private:

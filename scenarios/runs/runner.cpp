@@ -8,12 +8,12 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/trajectory_file.h"
 #include "results/video.h"
+#include "scenarios/runs/live_tracking.h"
 #include "scenarios/runs/mapped_floor.h"
 #include "scenarios/runs/output_folder.h"
 #include "scenarios/runs/progress.h"
 #include "scenarios/runs/run_log.h"
 #include "scenarios/runs/tracked_system.h"
-#include "scenarios/runs/tracking_thread.h"
 #include "scenarios/versions.h"
 
 namespace gaitcam {
@@ -109,13 +109,16 @@ SimulationOptions SimulationOptionsOf(const Scenario& scenario) {
   options.drive = scenario.drive;
   options.camera = scenario.camera;
   options.sensors = scenario.sensors;
+  options.scan = scenario.scan.value_or(HeadScanOptions());
   options.duration_s = scenario.duration_s;
   options.start = scenario.start;
   return options;
 }
 
 void CheckPlan(const ResolvedScenario& resolved) {
-  CheckSimulation(resolved.robot, resolved.place, SimulationOptionsOf(resolved.scenario), resolved.scenario.seed);
+  const SimulationOptions options = SimulationOptionsOf(resolved.scenario);
+  CheckSimulation(resolved.robot, resolved.place, options, resolved.scenario.seed);
+  if (ActsOnBody(resolved.scenario)) CheckHeadScan(resolved.robot, options);
 }
 
 /// The whole data flow: models ▸ simulation ▸ observations ▸ system ▸ estimate ▸ scores ▸ report.
@@ -127,15 +130,13 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   Film film(scenario.video, folder.path() / "walk.mp4");
   RunLog log;
   Progress progress(scenario.name, simulation.ExpectedFrames(), options.quiet);
-  while (!options.interrupted()) {
-    std::optional<SimulatedFrame> frame = simulation.Next(log.WantedTruth());
-    if (!frame) break;
-    log.Add(*frame);
-    film.Add(*frame, simulation);
-    tracker.Push(std::move(frame->observation));  // the observation alone: truth stays on this side
-    progress.Update(int64_t(log.frames()));
-  }
-  const Estimate estimate = tracker.Finish();
+  LiveTrackingOptions live{options.interrupted, [&] { return log.WantedTruth(); }};
+  live.on_frame = [&](const SimulatedFrame& frame) {
+    log.Add(frame);
+    film.Add(frame, simulation);
+    progress.Update(int64_t(log.frames()), simulation.ExpectedFrames());  // scans make the walk longer
+  };
+  const Estimate estimate = TrackLive(simulation, tracker, live);
   progress.Finish();
 
   std::optional<Scores> scores;

@@ -19,4 +19,11 @@ std::unique_ptr<System> MakeTrackedSystem(const Scenario& scenario, const Calibr
   return std::make_unique<HandicappedSystem>(std::move(system), scenario.handicap, setup.seed);
 }
 
+bool ActsOnBody(const Scenario& scenario) {
+  if (scenario.system.external) return false;
+  Calibration calibration = CameraRig(scenario.camera, scenario.seed).MakeCalibration();
+  calibration.standing.emplace();  // the robot will tell; here it only matters that it can
+  return MakeSystem(scenario.system.name, {calibration, scenario.seed, scenario.system.settings})->Acts();
+}
+
 }  // namespace gaitcam

@@ -16,4 +16,7 @@ namespace gaitcam {
 std::unique_ptr<System> MakeTrackedSystem(const Scenario& scenario, const Calibration& calibration,
                                           const std::filesystem::path& folder);
 
+/// Whether that system may ask anything of the body: then its walk is its own, and no recorded one is for it.
+bool ActsOnBody(const Scenario& scenario);
+
 }  // namespace gaitcam

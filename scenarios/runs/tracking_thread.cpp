@@ -8,8 +8,10 @@
 
 namespace gaitcam {
 
-TrackingThread::TrackingThread(std::unique_ptr<System> system)
-    : system_(std::move(system)), thread_([this] { Run(); }) {}
+TrackingThread::TrackingThread(std::unique_ptr<System> system) : system_(std::move(system)) {
+  if (system_->Acts()) answers_.emplace(1);
+  thread_ = std::thread([this] { Run(); });
+}
 
 TrackingThread::~TrackingThread() { Join(); }
 
@@ -23,6 +25,7 @@ void TrackingThread::Run() {
       GAITCAM_ASSERT(frame.stamp_ns == observation->stamp_ns);
       GAITCAM_ASSERT(!frame.pose || (frame.pose->translation.allFinite() && frame.pose->rotation.coeffs().allFinite()));
       estimate_.frames.push_back(std::move(frame));
+      if (answers_) answers_->Push(system_->Request());
     }
     const Clock::time_point finish = Clock::now();
     std::map<int64_t, FrameEstimate> refined;
@@ -34,10 +37,12 @@ void TrackingThread::Run() {
                             double(std::max<size_t>(1, estimate_.track_ms.size()));
     for (double& ms : estimate_.track_ms) ms += share_ms;  // the last word is about all frames
     estimate_.floor = system_->Floor();
+    estimate_.places = system_->Places();
     estimate_.failure = system_->Failure();
   } catch (...) {
     failure_ = std::current_exception();
     queue_.Close();
+    if (answers_) answers_->Close();
   }
 }
 
@@ -45,6 +50,15 @@ void TrackingThread::Push(Observation observation) {
   if (queue_.Push(std::move(observation))) return;
   Join();
   if (failure_) std::rethrow_exception(failure_);
+}
+
+BodyRequest TrackingThread::Ask(Observation observation) {
+  GAITCAM_ASSERT(acts());
+  Push(std::move(observation));
+  const std::optional<BodyRequest> answer = answers_->Pop();
+  if (answer) return *answer;
+  Join();
+  std::rethrow_exception(failure_);  // nothing else leaves a frame without an answer
 }
 
 Estimate TrackingThread::Finish() {

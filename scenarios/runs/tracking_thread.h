@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "algorithms/core/bounded_queue.h"
@@ -22,6 +23,10 @@ class TrackingThread {
 
   /// Hands over one frame; waits while the queue is full.
   void Push(Observation observation);
+  /// The system may ask something of the body: then frames go by Ask().
+  bool acts() const { return answers_.has_value(); }
+  /// Hands over one frame and waits for what the system asks of the body. @pre acts().
+  BodyRequest Ask(Observation observation);
   /// Waits for the last frame. @returns everything the system said, its final word included.
   Estimate Finish();
 
@@ -31,6 +36,7 @@ class TrackingThread {
 
   std::unique_ptr<System> system_;
   BoundedQueue<Observation> queue_{8};  // some megabytes, whatever the length of the run
+  std::optional<BoundedQueue<BodyRequest>> answers_;
   Estimate estimate_;
   std::exception_ptr failure_;
   std::thread thread_;

@@ -109,5 +109,76 @@ TEST(WalkPattern, PlannedZmpStaysUnderTheSoles) {
   }
 }
 
+/// Advances until the pattern stands where it was halted. @returns ticks.
+int AdvanceUntilHalted(WalkPattern& pattern) {
+  int ticks = 0;
+  for (; !pattern.Halted(); ++ticks) {
+    pattern.Advance({});
+    if (ticks > 10000) break;
+  }
+  return ticks;
+}
+
+TEST(WalkPattern, HaltedItStandsWithItsFeetSideBySideAndGoesOnToThePathsEnd) {
+  WalkPattern pattern = Make({}, 1.0);
+  for (int tick = 0; tick < 700; ++tick) pattern.Advance({});
+  pattern.Halt();
+  // Within the steps that the preview of 1 s has seen, three more to slow down and the closing one, 0.35 s each.
+  EXPECT_LT(AdvanceUntilHalted(pattern) * 0.004, (6 + 3 + 1) * 0.35);
+  for (int tick = 0; tick < 500; ++tick) pattern.Advance({});
+  const WalkTargets stop = pattern.targets();
+  EXPECT_EQ(stop.gait.step, -1);
+  EXPECT_FALSE(pattern.Finished());
+  EXPECT_NEAR(stop.posture.X_PA[0].translation.x(), stop.posture.X_PA[1].translation.x(), 1e-9);
+  EXPECT_NEAR(stop.posture.com.y(), 0, 0.001);
+  EXPECT_GT(stop.posture.com.x(), 0.2);
+  EXPECT_LT(stop.posture.com.x(), 0.8);
+  pattern.GoOn({});
+  WalkTargets last = pattern.targets();
+  while (!pattern.Finished()) {
+    const WalkTargets& now = pattern.Advance({});
+    for (const int side : {0, 1}) {
+      const Eigen::Vector3d moved = now.posture.X_PA[side].translation - last.posture.X_PA[side].translation;
+      EXPECT_LT(moved.norm() / 0.004, 0.64);  // as in FeetMoveWithoutJumps
+    }
+    EXPECT_LT((now.posture.com - last.posture.com).norm() / 0.004, 0.3);
+    last = now;
+  }
+  EXPECT_NEAR(last.posture.com.x(), 1.0 + 0.008, 0.003);
+}
+
+TEST(WalkPattern, BeforeItsFirstStepItIsPutOff) {
+  WalkPattern pattern = Make();
+  pattern.Advance({});
+  pattern.Halt();
+  EXPECT_TRUE(pattern.Halted());
+  for (int tick = 0; tick < 1000; ++tick) {
+    const WalkTargets& now = pattern.Advance({});
+    EXPECT_EQ(now.gait.step, -1);
+    EXPECT_LT(now.posture.com.norm(), 0.01);
+  }
+  pattern.GoOn({});
+  while (!pattern.Finished()) pattern.Advance({});
+  EXPECT_NEAR(pattern.targets().posture.com.x(), 0.6 + 0.008, 0.003);
+}
+
+TEST(WalkPattern, TurnsWhereItStandsAndBack) {
+  WalkPattern pattern = Make();
+  for (int tick = 0; tick < 500; ++tick) pattern.Advance({});
+  pattern.Halt();
+  AdvanceUntilHalted(pattern);
+  const WalkTargets before = pattern.targets();
+  for (const double turn : {3.0, -3.0}) {
+    pattern.TurnOnTheSpot(turn, {});
+    EXPECT_FALSE(pattern.Halted());
+    AdvanceUntilHalted(pattern);
+    EXPECT_NEAR(pattern.targets().posture.heading, before.posture.heading + std::max(0.0, turn), 0.025);
+  }
+  EXPECT_LT((pattern.targets().posture.com - before.posture.com).norm(), 0.01);
+  pattern.GoOn({});
+  while (!pattern.Finished()) pattern.Advance({});
+  EXPECT_NEAR(pattern.targets().posture.com.x(), 0.6 + 0.008, 0.003);
+}
+
 }  // namespace
 }  // namespace gaitcam
