@@ -24,24 +24,6 @@ double Rad(double deg) { return deg * kPi / 180; }
 /// In [-pi, pi).
 double Wrapped(double angle) { return angle - 2 * kPi * std::floor(angle / (2 * kPi) + 0.5); }
 
-/// Level axes in the camera's frame: where it looks, its left, and up.
-struct LevelAxes {
-  Eigen::Vector3d forward, left, up;
-
-  explicit LevelAxes(const Eigen::Vector3d& up_C) : up(up_C.normalized()) {
-    const double sine = up.z();
-    if (!(std::abs(sine) < kSteep)) {
-      throw BadInput("panorama: the camera looks up or down by " + std::to_string(std::asin(sine) * 180 / kPi) +
-                     " deg, which is too steep to see all around");
-    }
-    forward = (Eigen::Vector3d::UnitZ() - sine * up).normalized();
-    left = up.cross(forward);
-  }
-  Eigen::Vector3d Ray(double azimuth, double tangent) const {
-    return std::cos(azimuth) * forward + std::sin(azimuth) * left + tangent * up;
-  }
-};
-
 bool Sees(const CameraModel& camera, const Eigen::Vector3d& ray) {
   const auto pixel = camera.Project(ray);
   // Within the centres of the border pixels, so that no sample needs a pixel outside.
@@ -139,15 +121,25 @@ PanoramaLayout LayoutFor(const CameraModel& camera, const Eigen::Vector3d& up_C,
 
 // ---------------------------------------------------------------------------------------------------------------------
 
+LevelAxes::LevelAxes(const Eigen::Vector3d& up_C) : up(up_C.normalized()) {
+  const double sine = up.z();
+  if (!(std::abs(sine) < kSteep)) {
+    throw BadInput("panorama: the camera looks up or down by " + std::to_string(std::asin(sine) * 180 / kPi) +
+                   " deg, which is too steep to see all around");
+  }
+  forward = (Eigen::Vector3d::UnitZ() - sine * up).normalized();
+  left = up.cross(forward);
+}
+
+Eigen::Vector3d LevelAxes::Ray(double azimuth_rad, double tan_elevation) const {
+  return std::cos(azimuth_rad) * forward + std::sin(azimuth_rad) * left + tan_elevation * up;
+}
+
 CylinderProjection::CylinderProjection(const CameraModel& camera, const Eigen::Vector3d& up_C,
                                        const PanoramaLayout& layout)
-    : layout_(layout), camera_(camera) {
+    : layout_(layout), camera_(camera), axes_(up_C) {
   camera.Check();
   layout.Check();
-  const LevelAxes axes(up_C);
-  forward_ = axes.forward;
-  left_ = axes.left;
-  up_ = axes.up;
   // Pixels much finer than the panorama's are averaged first.
   const double rows_per_tan = layout.height_px / (layout.tan_high - layout.tan_low);
   prepared_ =
@@ -161,25 +153,23 @@ CylinderProjection::CylinderProjection(const CameraModel& camera, const Eigen::V
                    std::to_string(std::atan(layout.tan_low) * 180 / kPi) + " to " +
                    std::to_string(std::atan(layout.tan_high) * 180 / kPi) + " deg, which the panorama's rows show");
   }
-  view_ = MapOf(0.5 * (columns - 1) / layout.px_per_rad(), columns);
+  view_ = MapOf(axes_, 0.5 * (columns - 1) / layout.px_per_rad(), columns);
 }
 
 bool CylinderProjection::IsSeen(double azimuth_rad) const {
   for (int row = 0; row < layout_.height_px; ++row) {
-    const Eigen::Vector3d ray =
-        std::cos(azimuth_rad) * forward_ + std::sin(azimuth_rad) * left_ + layout_.TanElevationOf(row) * up_;
-    if (!Sees(prepared_, ray)) return false;
+    if (!Sees(prepared_, axes_.Ray(azimuth_rad, layout_.TanElevationOf(row)))) return false;
   }
   return true;
 }
 
-CylinderProjection::Map CylinderProjection::MapOf(double azimuth_rad, int columns) const {
+CylinderProjection::Map CylinderProjection::MapOf(const LevelAxes& axes, double azimuth_rad, int columns) const {
   Map map{cv::Mat(layout_.height_px, columns, CV_32FC1), cv::Mat(layout_.height_px, columns, CV_32FC1)};
   for (int column = 0; column < columns; ++column) {
     const double azimuth = azimuth_rad - column / layout_.px_per_rad();
-    const Eigen::Vector3d level = std::cos(azimuth) * forward_ + std::sin(azimuth) * left_;
+    const Eigen::Vector3d level = axes.Ray(azimuth, 0);
     for (int row = 0; row < layout_.height_px; ++row) {
-      const auto pixel = prepared_.Project(level + layout_.TanElevationOf(row) * up_);
+      const auto pixel = prepared_.Project(level + layout_.TanElevationOf(row) * axes.up);
       map.x.at<float>(row, column) = pixel ? float(pixel->x()) : -1e4f;
       map.y.at<float>(row, column) = pixel ? float(pixel->y()) : -1e4f;
     }
@@ -203,7 +193,7 @@ cv::Mat CylinderProjection::Prepare(const cv::Mat& image) const {
 }
 
 cv::Mat CylinderProjection::Strip(const cv::Mat& prepared, double azimuth_rad, int columns) const {
-  const Map map = MapOf(azimuth_rad, columns);
+  const Map map = MapOf(axes_, azimuth_rad, columns);
   cv::Mat strip;
   cv::remap(prepared, strip, map.x, map.y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return strip;
@@ -212,6 +202,13 @@ cv::Mat CylinderProjection::Strip(const cv::Mat& prepared, double azimuth_rad, i
 cv::Mat CylinderProjection::ProjectView(const cv::Mat& image) const {
   cv::Mat view;
   cv::remap(Prepare(image), view, view_.x, view_.y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return view;
+}
+
+cv::Mat CylinderProjection::ProjectView(const cv::Mat& image, const Eigen::Vector3d& up_C) const {
+  const Map map = MapOf(LevelAxes(up_C), 0.5 * (width_px() - 1) / layout_.px_per_rad(), width_px());
+  cv::Mat view;
+  cv::remap(Prepare(image), view, map.x, map.y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return view;
 }
 

@@ -37,6 +37,15 @@ struct PanoramaLayout {
 /// too steeply up or down to see all around.
 PanoramaLayout LayoutFor(const CameraModel& camera, const Eigen::Vector3d& up_C, int width_px, int height_px);
 
+/// Level axes in a camera's frame: where it looks, its left, and up.
+struct LevelAxes {
+  Eigen::Vector3d forward, left, up;
+
+  /// @throws BadInput if the camera looks too steeply up or down for a heading.
+  explicit LevelAxes(const Eigen::Vector3d& up_C);
+  Eigen::Vector3d Ray(double azimuth_rad, double tan_elevation) const;
+};
+
 /// Lays frames of one camera onto the cylinder.
 class CylinderProjection {
  public:
@@ -46,6 +55,9 @@ class CylinderProjection {
   /// A view as a piece of a panorama: CV_8UC1, layout's height, width_px() wide, no holes; its middle is where the
   /// camera looks. @param image CV_8UC1 or CV_8UC3 of the camera's size; @throws BadInput if it is not.
   cv::Mat ProjectView(const cv::Mat& image) const;
+  /// The same of a camera that sways: `up_C` is the vertical as it is now. As wide as ever; rows that the camera has
+  /// turned away from repeat the last one that it sees.
+  cv::Mat ProjectView(const cv::Mat& image, const Eigen::Vector3d& up_C) const;
   int width_px() const { return view_.x.cols; }
   /// So far to either side of the optical axis all rows are seen, rad.
   double half_width_rad() const { return half_width_rad_; }
@@ -59,12 +71,12 @@ class CylinderProjection {
   struct Map {
     cv::Mat x, y;  ///< CV_32FC1: where each pixel of the cylinder lies in the prepared image.
   };
-  Map MapOf(double azimuth_rad, int columns) const;
+  Map MapOf(const LevelAxes& axes, double azimuth_rad, int columns) const;
   bool IsSeen(double azimuth_rad) const;
 
   PanoramaLayout layout_;
-  CameraModel camera_, prepared_;        ///< Of the images given, and of the prepared ones.
-  Eigen::Vector3d forward_, left_, up_;  ///< Level axes in the camera's frame.
+  CameraModel camera_, prepared_;  ///< Of the images given, and of the prepared ones.
+  LevelAxes axes_;
   double half_width_rad_ = 0;
   Map view_;
 };

@@ -8,6 +8,7 @@
 #include "algorithms/odometry/mobif_vo_plus.h"
 #include "algorithms/slam/floor_slam.h"
 #include "algorithms/slam/settings.h"
+#include "algorithms/slam/topo_slam.h"
 
 namespace gaitcam {
 namespace {
@@ -62,6 +63,24 @@ class FloorSlamSystem : public System {
   FloorSlam slam_;
 };
 
+class TopoSlamSystem : public System {
+ public:
+  explicit TopoSlamSystem(const SystemSetup& setup)
+      : slam_(setup.calibration, OptionsFrom<TopoSlamOptions>(setup.settings, "topo_slam")) {}
+  FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
+  std::vector<FrameEstimate> Finish() override {
+    slam_.Finish();
+    return {};
+  }
+  std::optional<PlaceGraph> Places() const override { return slam_.graph(); }
+  bool Acts() const override { return true; }
+  BodyRequest Request() const override { return slam_.wants_scan() ? BodyRequest::kScan : BodyRequest::kGoOn; }
+  std::string Failure() const override { return slam_.Failure(); }
+
+ private:
+  TopoSlam slam_;
+};
+
 /// Every system there is: a new one is one more line here.
 std::vector<Entry> AllSystems() {
   std::vector<Entry> entries = {
@@ -77,6 +96,9 @@ std::vector<Entry> AllSystems() {
         "monocular odometry for a shaking camera: blur-robust features, inverse depths, bundle adjustment",
         SettingsOf(MobifVoPlusOptions())},
        [](const SystemSetup& setup) { return std::make_unique<MobifVoPlusSystem>(setup); }},
+      {{"topo_slam", "a map of places seen all around, 170 bytes each; the robot scans as it asks (thesis, chapter 4)",
+        SettingsOf(TopoSlamOptions())},
+       [](const SystemSetup& setup) { return std::make_unique<TopoSlamSystem>(setup); }},
   };
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.info.name < b.info.name; });
   return entries;

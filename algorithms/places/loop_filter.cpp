@@ -1,0 +1,49 @@
+#include "algorithms/places/loop_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gaitcam {
+
+LoopFilter::LoopFilter(const LoopFilterOptions& options) : options_(options) { CheckFields(options, "loop."); }
+
+double LoopFilter::Likelihood(double similarity) const {
+  if (options_.likelihood == "similarity") return similarity;
+  return std::exp(options_.sharpness * (0.5 / options_.threshold - 0.5 / std::max(similarity, 0.5)));
+}
+
+std::vector<double> LoopFilter::Predict(size_t states, const std::vector<PlaceLink>& links) const {
+  std::vector<double> predicted(states, 1.0 / double(states));
+  if (belief_.empty() || options_.transition == "uniform") return predicted;
+  std::vector<std::vector<size_t>> reach(states);  // where a state may go: it stays, or goes on to neighbours
+  for (size_t i = 0; i < states; ++i) reach[i] = {i};
+  for (const PlaceLink& link : links) {
+    reach[size_t(link.from) + 1].push_back(size_t(link.to) + 1);
+    reach[size_t(link.to) + 1].push_back(size_t(link.from) + 1);
+  }
+  for (double& p : predicted) p *= options_.teleport;
+  for (size_t i = 0; i < belief_.size(); ++i) {
+    for (const size_t to : reach[i]) predicted[to] += (1 - options_.teleport) * belief_[i] / double(reach[i].size());
+  }
+  return predicted;
+}
+
+LoopFilter::Belief LoopFilter::Update(const std::vector<double>& similarity, int left_out,
+                                      const std::vector<PlaceLink>& links) {
+  const size_t states = similarity.size() + 1;
+  GAITCAM_ASSERT(belief_.size() <= states && left_out < int(similarity.size()));
+  Belief belief;
+  belief.likelihood = {options_.likelihood == "similarity" ? options_.threshold : 1.0};
+  for (const double value : similarity) belief.likelihood.push_back(Likelihood(value));
+  if (left_out >= 0) belief.likelihood[size_t(left_out) + 1] = 0;
+  belief.posterior = Predict(states, links);
+  double sum = 0;
+  for (size_t i = 0; i < states; ++i) sum += belief.posterior[i] *= belief.likelihood[i];
+  for (double& p : belief.posterior) p /= sum;
+  // The first of equals: "no loop" rather than a node.
+  belief.best = int(std::max_element(belief.posterior.begin(), belief.posterior.end()) - belief.posterior.begin()) - 1;
+  belief_ = belief.posterior;
+  return belief;
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,24 @@
+#include "algorithms/places/up_direction.h"
+
+#include <Eigen/Geometry>
+
+namespace gaitcam {
+
+UpDirection::UpDirection(const ImuCalibration& imu, const Eigen::Vector3d& up_C, double time_s)
+    : imu_(imu), up_C_(up_C.normalized()), time_s_(time_s) {}
+
+void UpDirection::Add(const std::vector<ImuSample>& samples) {
+  if (imu_.rate_hz <= 0) return;
+  const double dt = 1 / imu_.rate_hz;
+  for (const ImuSample& sample : samples) {
+    const Eigen::Vector3d turn = dt * (imu_.X_CI.rotation * sample.angular_rate);
+    const double angle = turn.norm();
+    // A fixed direction turns the other way as seen from a frame that turns.
+    if (angle > 0) up_C_ = Eigen::AngleAxisd(-angle, turn / angle) * up_C_;
+    const Eigen::Vector3d support = imu_.X_CI.rotation * sample.specific_force;
+    if (support.norm() > 0) up_C_ += dt / time_s_ * (support.normalized() - up_C_);
+    up_C_.normalize();
+  }
+}
+
+}  // namespace gaitcam

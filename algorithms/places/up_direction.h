@@ -1,0 +1,29 @@
+/// Which way is up in a camera that sways as its robot walks: carried on by the gyroscope, drawn towards the direction
+/// of the support that the accelerometer feels, slowly, so that the steps' accelerations cancel out.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "algorithms/core/camera.h"
+#include "algorithms/core/observation.h"
+
+namespace gaitcam {
+
+class UpDirection {
+ public:
+  /// @param up_C before the first sample, a unit vector in the camera's frame. @param time_s of the pull; some steps.
+  UpDirection(const ImuCalibration& imu, const Eigen::Vector3d& up_C, double time_s = 2.0);
+
+  /// Samples in time order. Without an IMU nothing changes.
+  void Add(const std::vector<ImuSample>& samples);
+  const Eigen::Vector3d& up_C() const { return up_C_; }
+
+ private:
+  ImuCalibration imu_;
+  Eigen::Vector3d up_C_;
+  double time_s_;
+};
+
+}  // namespace gaitcam

@@ -1,0 +1,178 @@
+#include "algorithms/slam/topo_slam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gaitcam {
+namespace {
+
+Eigen::Vector3d StandingUp(const Calibration& calibration) {
+  if (calibration.standing) return calibration.standing->up_C;
+  throw BadInput("topo_slam: the calibration does not say how the camera stands (standing: height, up)");
+}
+
+}  // namespace
+
+TopoSlam::TopoSlam(const Calibration& calibration, const TopoSlamOptions& options)
+    : options_(options),
+      up_(calibration.imu, StandingUp(calibration)),
+      layout_(LayoutFor(calibration.camera, StandingUp(calibration), options.width_px, options.height_px)),
+      projection_(calibration.camera, StandingUp(calibration), layout_),
+      encoder_(options.height_px, options.wavelet),
+      map_(options.wavelet),
+      filter_(options.loop) {
+  CheckFields(options, "topo_slam.");
+  // Says at once what every view would.
+  encoder_.OfView(cv::Mat::zeros(layout_.height_px, projection_.width_px(), CV_8UC1));
+}
+
+FrameEstimate TopoSlam::Track(const Observation& observation) {
+  FrameEstimate estimate;
+  estimate.stamp_ns = observation.stamp_ns;
+  up_.Add(observation.imu);
+  if (wants_scan_ || observation.scan) {
+    FollowScan(observation);
+    return estimate;
+  }
+  Collect(observation);
+  if (tested_ns_ < 0) tested_ns_ = observation.stamp_ns;
+  if (double(observation.stamp_ns - tested_ns_) * 1e-9 >= options_.test_every_s) {
+    tested_ns_ = observation.stamp_ns;
+    Test(*candidate_, estimate);
+    candidate_.reset();
+  }
+  return estimate;
+}
+
+void TopoSlam::Finish() {
+  if (builder_ && builder_->missing_deg() == 0) AddNode();
+}
+
+void TopoSlam::FollowScan(const Observation& observation) {
+  candidate_.reset();
+  tested_ns_ = -1;
+  if (wanted_ns_ < 0) wanted_ns_ = observation.stamp_ns;
+  if (observation.scan) {
+    if (!wants_scan_) return;  // the rest of a scan that has shown all
+    if (!builder_) {
+      builder_.emplace(projection_, layout_, options_.panorama);
+      scan_began_ns_ = observation.stamp_ns;
+    }
+    builder_->Add(observation.image.pixels, observation.scan->pan_rad + observation.scan->body_turn_rad);
+  } else if (builder_ && builder_->missing_deg() == 0) {
+    AddNode();  // between two sweeps, while the body turns, half of it is missing still
+  } else if (double(observation.stamp_ns - wanted_ns_) * 1e-9 > options_.scan_patience_s) {
+    gave_up_ = true;
+  }
+}
+
+void TopoSlam::AddNode() {
+  Panorama panorama = builder_->Finish();
+  map_.Add(encoder_.OfPanorama(panorama.image));
+  PlaceNode node;
+  node.stamp_ns = scan_began_ns_;
+  node.bytes = map_.bytes_per_place();
+  node.panorama = panorama.image;
+  graph_.nodes.push_back(node);
+  panorama.image.release();
+  stitches_.push_back(panorama);
+  const int added = int(graph_.nodes.size()) - 1;
+  if (last_ >= 0) graph_.links.push_back({last_, added, false, scan_began_ns_});
+  last_ = added;
+  filter_.Reset();
+  builder_.reset();
+  wants_scan_ = false;
+  wanted_ns_ = -1;
+  streak_ = 0;
+  streak_best_ = -2;
+}
+
+double TopoSlam::Unrest(const Observation& observation) const {
+  if (options_.steady == "double_support" && !observation.joints.empty()) {
+    // Half of the time spent on one leg since the frame before.
+    const auto both = std::count_if(observation.joints.begin(), observation.joints.end(),
+                                    [](const JointSample& s) { return s.left_contact && s.right_contact; });
+    return 1 - double(both) / double(observation.joints.size());
+  }
+  if (options_.steady == "gyro") {
+    // Fastest turn while the shutter was open, as far as it was sensed.
+    double fastest = 0;
+    const double open_ns = 0.5e6 * observation.exposure_ms + 1e7;
+    for (const ImuSample& sample : observation.imu) {
+      if (std::abs(double(sample.stamp_ns - observation.stamp_ns)) <= open_ns)
+        fastest = std::max(fastest, sample.angular_rate.norm());
+    }
+    return fastest;
+  }
+  return 0;
+}
+
+void TopoSlam::Collect(const Observation& observation) {
+  const double unrest = Unrest(observation);
+  if (candidate_ && candidate_->unrest < unrest) return;  // the later of equals
+  candidate_ = Candidate{observation.image.pixels.clone(), up_.up_C(), observation.stamp_ns, unrest};
+}
+
+void TopoSlam::Test(const Candidate& candidate, FrameEstimate& estimate) {
+  const cv::Mat view = options_.level_views ? projection_.ProjectView(candidate.image, candidate.up_C)
+                                            : projection_.ProjectView(candidate.image);
+  const WaveletView signature = encoder_.OfView(view);
+  const WaveletMatch here = map_.Query(signature, size_t(last_));
+  const WaveletSignature& first = signature.shifts.front();
+  estimate.features = first.columns() * first.bits_per_column();
+  estimate.inliers = int(std::lround((1 - here.disagreement) * estimate.features));
+  if (here.similarity >= options_.loop.threshold) {  // step 2 of 4.5: still at the last node
+    filter_.Reset();
+    streak_ = 0;
+    streak_best_ = -2;
+    return;
+  }
+  const std::vector<WaveletMatch> matches = map_.Query(signature);
+  std::vector<double> similarity;
+  for (const WaveletMatch& match : matches) similarity.push_back(match.similarity);
+  const LoopFilter::Belief belief = filter_.Update(similarity, last_, graph_.links);
+  PlaceTest test;
+  test.stamp_ns = candidate.stamp_ns;
+  test.likelihood = belief.likelihood;
+  test.posterior = belief.posterior;
+  test.matched = belief.best;
+  if (belief.best >= 0) {
+    const double middle = matches[size_t(belief.best)].left_px + 0.5 * (view.cols - 1);
+    test.bearing_rad = std::remainder(layout_.AzimuthOf(middle), 2 * std::numbers::pi);
+  }
+  test.view = view;
+  graph_.tests.push_back(std::move(test));
+  Decide(belief.best, candidate.stamp_ns);
+}
+
+void TopoSlam::Decide(int best, int64_t stamp_ns) {
+  streak_ = best == streak_best_ ? streak_ + 1 : 1;
+  streak_best_ = best;
+  if (streak_ < options_.persist) return;
+  streak_ = 0;
+  streak_best_ = -2;
+  if (best < 0) {
+    wants_scan_ = true;
+    return;
+  }
+  const auto linked = [&](const PlaceLink& link) {
+    return (link.from == last_ && link.to == best) || (link.from == best && link.to == last_);
+  };
+  if (std::none_of(graph_.links.begin(), graph_.links.end(), linked))
+    graph_.links.push_back({last_, best, true, stamp_ns});
+  last_ = best;
+  filter_.Reset();
+}
+
+std::string TopoSlam::Failure() const {
+  if (!graph_.nodes.empty() && !gave_up_) return {};
+  if (builder_) {
+    return "topo_slam: a scan left " + std::to_string(builder_->missing_deg()) + " of 360 deg unseen, after " +
+           std::to_string(builder_->frames()) + " frames";
+  }
+  return "topo_slam: it asked for a scan and none came: it needs a robot that looks around as it is asked to, not a "
+         "recorded walk";
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,114 @@
+/// Topological SLAM with a camera that pans, after chapter 4 of the thesis: the robot walks and compares what it sees
+/// with the place it saw all around last; where that no longer fits, it asks whether it is at a place that it knows
+/// (loop_filter.h), and closes a loop, or stops, scans, and adds a node.
+///
+/// The system acts: it asks the body for a scan at each new place, and at its first frame.
+///
+/// Beyond the thesis: of the frames between two tests the steadiest is taken; it is laid onto the panorama's cylinder
+/// by gravity, as the camera sways; and what is to happen must be so in `persist` tests in a row, be it a new place or
+/// a loop.
+
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/estimate.h"
+#include "algorithms/core/observation.h"
+#include "algorithms/places/loop_filter.h"
+#include "algorithms/places/panorama.h"
+#include "algorithms/places/up_direction.h"
+#include "algorithms/places/wavelet_signature.h"
+
+namespace gaitcam {
+
+struct TopoSlamOptions {
+  using DescribedTag = void;
+  int width_px = 720;  ///< Of the panoramas; 1830 as the KHR-1HV's.
+  int height_px = 160;
+  WaveletOptions wavelet;
+  PanoramaOptions panorama;
+  LoopFilterOptions loop;
+  double test_every_s = 0.5;     ///< Time between two tests.
+  std::string steady = "gyro";   ///< Which frame of that time is tested.
+  bool level_views = true;       ///< By gravity, as the IMU feels it; without one the standing camera's.
+  int persist = 3;               ///< Tests in a row that must say the same.
+  double scan_patience_s = 120;  ///< A scan that takes longer than this failed.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, TopoSlamOptions& o) {
+  visit("width_px", o.width_px, Between(16, 100000), "of a panorama");
+  visit("height_px", o.height_px, Between(8, 10000), "of a panorama");
+  visit("wavelet", o.wavelet, Nested(), "the signature of a place");
+  visit("panorama", o.panorama, Nested(), "how frames of a scan are stitched");
+  visit("loop", o.loop, Nested(), "how known places are recognised");
+  visit("test_every_s", o.test_every_s, Between(0.0, 1000.0), "time between two tests");
+  visit("steady", o.steady, OneOf({"gyro", "double_support", "last"}), "which frame of that time is tested");
+  visit("level_views", o.level_views, Nested(), "views are laid onto the cylinder by gravity");
+  visit("persist", o.persist, Between(1, 1000), "tests in a row that must say the same");
+  visit("scan_patience_s", o.scan_patience_s, Between(1.0, 1e5), "a scan that takes longer failed");
+}
+
+class TopoSlam {
+ public:
+  /// @throws BadOption; BadInput if the calibration does not say how the camera stands, or views are too narrow.
+  TopoSlam(const Calibration& calibration, const TopoSlamOptions& options);
+  TopoSlam(const TopoSlam&) = delete;
+  TopoSlam& operator=(const TopoSlam&) = delete;
+
+  /// A place has no pose: the estimate is empty, its status "initializing"; `features` is the number of bits compared
+  /// in a test, `inliers` those that agree with the last place.
+  FrameEstimate Track(const Observation& observation);
+  /// After the last frame: a scan that had just ended counts still.
+  void Finish();
+  /// Whether a scan is asked for.
+  bool wants_scan() const { return wants_scan_; }
+  const PlaceGraph& graph() const { return graph_; }
+  /// Why there is no map, or it is not complete; empty if it is.
+  std::string Failure() const;
+
+  const PanoramaLayout& layout() const { return layout_; }
+  /// What the stitch of each node was like; its image is empty.
+  const std::vector<Panorama>& stitches() const { return stitches_; }
+
+ private:
+  struct Candidate {
+    cv::Mat image;
+    Eigen::Vector3d up_C;
+    int64_t stamp_ns = 0;
+    double unrest = 0;
+  };
+
+  void FollowScan(const Observation& observation);
+  void AddNode();
+  void Collect(const Observation& observation);
+  double Unrest(const Observation& observation) const;
+  void Test(const Candidate& candidate, FrameEstimate& estimate);
+  void Decide(int best, int64_t stamp_ns);
+
+  TopoSlamOptions options_;
+  UpDirection up_;
+  PanoramaLayout layout_;
+  CylinderProjection projection_;
+  WaveletEncoder encoder_;
+  WaveletMap map_;
+  LoopFilter filter_;
+  PlaceGraph graph_;
+  std::vector<Panorama> stitches_;
+
+  bool wants_scan_ = true;
+  int64_t wanted_ns_ = -1, scan_began_ns_ = -1;
+  std::optional<PanoramaBuilder> builder_;
+  bool gave_up_ = false;
+
+  std::optional<Candidate> candidate_;
+  int64_t tested_ns_ = -1;
+  int last_ = -1;         ///< Node visited last.
+  int streak_ = 0;        ///< Tests in a row that said ...
+  int streak_best_ = -2;  ///< ... this; -2 none.
+};
+
+}  // namespace gaitcam
