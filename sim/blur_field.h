@@ -19,7 +19,7 @@ namespace gaitcam {
 struct SceneInstant {
   int64_t stamp_ns = 0;
   Pose X_WC;
-  std::vector<Pose> X_WB;  ///< By MuJoCo's body numbers; 0 is the world.
+  std::vector<Pose> X_WB;  ///< By MuJoCo's body numbers; 0 is the world. Parts of people are bodies, too.
 };
 
 SceneInstant CaptureInstant(const mjModel* model, const mjData& data, int camera_id, int64_t stamp_ns);
@@ -47,7 +47,8 @@ class SeenPoints {
   std::vector<int> body_;
 };
 
-/// Net motion from open to close of the point seen at each pixel at `middle`, CV_32FC2, px.
+/// Net motion from open to close of the point seen at each pixel at `middle`, CV_32FC2, px. A point moves with the body
+/// it lies on: the robot's own parts and those of people have their own motion besides the camera's.
 /// @param bands opening and closing instants of equally high bands of rows from top to bottom: one for a global
 /// shutter,
 ///        several follow a rolling one.

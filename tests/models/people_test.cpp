@@ -206,7 +206,7 @@ TEST(People, BadInputIsNamed) {
   EXPECT_THAT(ErrorOf("[{speed_m_s: 0}]"), HasSubstr("path: missing"));
   EXPECT_THAT(ErrorOf("[{path: []}]"), HasSubstr("one point or more"));
   EXPECT_THAT(ErrorOf("[{path: [[0, 0], [0, 0.01]]}]"), HasSubstr("people[0].path[1]"));
-  EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], speed: 1}]"), HasSubstr("did you mean speed_m_s?"));
+  EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], speed_ms: 1}]"), HasSubstr("did you mean speed_m_s?"));
   EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], speed_m_s: 0.05}]"), HasSubstr("expected 0, or 0.1 and more"));
   EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], speed_m_s: -1}]"), HasSubstr("speed_m_s"));
   EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], height_m: 5}]"), HasSubstr("height_m"));
