@@ -1,6 +1,7 @@
 #include "algorithms/planes/floor_filter.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -11,81 +12,12 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/median.h"
 #include "algorithms/estimation/resampling.h"
+#include "algorithms/planes/floor_search.h"
 
 namespace gaitcam {
 namespace {
 
-using Vector5 = Eigen::Matrix<double, 5, 1>;
-using Matrix5 = Eigen::Matrix<double, 5, 5>;
-
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kTail = 3;  // c of rho: beyond so many standard deviations a point hardly counts
-double Rho(double e) { return kTail * kTail * std::log1p(e * e / (kTail * kTail)); }
-double RhoWeight(double e) { return 1 / (1 + e * e / (kTail * kTail)); }
-/// A worse mean over the points is no match.
-const double kWorstRho = Rho(1.5);
-
-/// A keyframe's picture compared with earlier ones from one place.
-struct Comparison {
-  Matrix5 H = Matrix5::Zero();  ///< Of (x, y, yaw in the pose's frame, gain, offset).
-  Vector5 g = Vector5::Zero();  ///< Downhill.
-  double mean_rho = 0;
-  double correlation = 0;
-  int points = 0;
-};
-
-/// An earlier picture, ready to be looked up in from the world.
-struct Lookup {
-  const FloorPatch::Level* patch;
-  PlanarPose inverse;
-  Eigen::Matrix2f R;  ///< Of its slopes into the world.
-};
-
-/// Mean of what the earlier pictures show at a place.
-std::optional<FloorPatch::Sample> LookUp(const std::vector<Lookup>& known, const Eigen::Vector2d& p) {
-  FloorPatch::Sample sum;
-  int count = 0;
-  for (const Lookup& earlier : known) {
-    const std::optional<FloorPatch::Sample> sample = earlier.patch->At(earlier.inverse * p);
-    if (!sample) continue;
-    sum.intensity += sample->intensity;
-    sum.slope += earlier.R * sample->slope;
-    ++count;
-  }
-  if (count == 0) return std::nullopt;
-  return FloorPatch::Sample{sum.intensity / float(count), sum.slope / float(count)};
-}
-
-Comparison Compare(const std::vector<Lookup>& known, const FloorPatch::Level& patch, const PlanarPose& pose,
-                   double gain, double offset, double noise_grey) {
-  Comparison comparison;
-  Eigen::Array2d sum = Eigen::Array2d::Zero();
-  Eigen::Array3d products = Eigen::Array3d::Zero();
-  const Eigen::Matrix2d R = Eigen::Rotation2Dd(pose.heading).toRotationMatrix();
-  for (const FloorPatch::Point& point : patch.match) {
-    const std::optional<FloorPatch::Sample> there = LookUp(known, pose.position + R * point.p);
-    if (!there) continue;
-    const double e = (point.intensity - (gain * there->intensity + offset)) / noise_grey;
-    const Eigen::RowVector2d slope = gain * there->slope.cast<double>().transpose() * R;
-    Vector5 J;
-    J << slope.x(), slope.y(), slope.y() * point.p.x() - slope.x() * point.p.y(), there->intensity, 1;
-    J /= noise_grey;
-    const double weight = RhoWeight(e);
-    comparison.H.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
-    comparison.g += weight * e * J;
-    comparison.mean_rho += Rho(e);
-    ++comparison.points;
-    const double a = point.intensity, b = there->intensity;
-    sum += Eigen::Array2d(a, b);
-    products += Eigen::Array3d(a * a, b * b, a * b);
-  }
-  const double n = std::max(1, comparison.points);
-  const double aa = products[0] - sum[0] * sum[0] / n, bb = products[1] - sum[1] * sum[1] / n;
-  comparison.correlation = aa > 0 && bb > 0 ? (products[2] - sum[0] * sum[1] / n) / std::sqrt(aa * bb) : 0;
-  comparison.H = Matrix5(comparison.H.selfadjointView<Eigen::Lower>());
-  comparison.mean_rho /= std::max(1, comparison.points);
-  return comparison;
-}
 
 /// What the tracker says of a motion, and what no tracker is better than.
 Eigen::Matrix3d MotionCovariance(const FloorFilterOptions& options, double moved_m, const Eigen::Matrix3d& tracked) {
@@ -104,66 +36,31 @@ FloorFilter::FloorFilter(const FloorFilterOptions& options, uint64_t seed)
   particles_.assign(size_t(options.particles), {});
 }
 
-/// The nearest of the pictures that the particle took long enough ago and that lie about where it looks now.
-std::vector<FloorFilter::Known> FloorFilter::FindKnown(const Particle& particle, const PlanarPose& expected,
-                                                       const FloorPatch& patch) const {
-  const Eigen::Vector2d here = expected * patch.middle;
-  const double reach_m = 0.5 * patch.width_m();
-  std::vector<std::pair<double, Known>> near;
-  for (size_t step = 0; step < particle.path.size(); ++step) {
-    if (way_m_.back() - way_m_[step] < options_.loop_m) break;
-    const PlanarPose& pose = particle.path[step];
-    if ((pose.position - here).squaredNorm() > 9 * reach_m * reach_m || patches_[step].empty()) continue;
-    const double distance_m = (pose * patches_[step].middle - here).norm();
-    if (distance_m < reach_m) near.push_back({distance_m, {&patches_[step], pose, int(step)}});
-  }
-  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Known> known;
-  for (size_t i = 0; i < std::min(near.size(), size_t(options_.pictures)); ++i) known.push_back(near[i].second);
-  return known;
+/// What was seen long enough ago, since the last joint that is open.
+FloorFilter::StepRange FloorFilter::LongAgo() const {
+  const Joint* joint = OpenJoint();
+  const auto recent =
+      std::find_if(way_m_.begin(), way_m_.end(), [&](double way_m) { return way_m_.back() - way_m < options_.loop_m; });
+  return {joint ? joint->step : 0, int(std::min(recent - way_m_.begin(), std::ptrdiff_t(patches_.size())))};
 }
 
-/// Gauss-Newton from the expected pose to where the pictures agree best, coarse ones first; nothing if too few points
-/// are known or no place nearby agrees.
-std::optional<FloorFilter::Match> FloorFilter::MatchPictures(const std::vector<Known>& pictures,
-                                                             const PlanarPose& expected,
-                                                             const FloorPatch& patch) const {
-  constexpr int kIterations = 6;
-  constexpr double kGainSigma = 0.2, kOffsetSigma_grey = 20, kStep_m = 2e-4;
-  constexpr double kWindow_m = 0.05, kWindow_rad = 0.05;  // where to search, softly
-  Vector5 window;
-  window << kWindow_m, kWindow_m, kWindow_rad, kGainSigma, kOffsetSigma_grey;
-  const Matrix5 prior = window.cwiseAbs2().cwiseInverse().asDiagonal();
-  const Vector5 start(0, 0, 0, 1, 0);
-  Vector5 state = start;
-  Comparison comparison;
-  Matrix5 H;
-  const auto pose = [&] { return expected * PlanarPose{state.head<2>(), state[2]}; };
-  for (int level = FloorPatch::kLevels - 1; level >= 0; level -= 2) {
-    std::vector<Lookup> known;
-    for (const Known& k : pictures) {
-      known.push_back({&k.patch->levels[size_t(level)], k.pose.Inverse(),
-                       Eigen::Rotation2Df(float(k.pose.heading)).toRotationMatrix()});
-    }
-    for (int i = 0; i < kIterations; ++i) {
-      comparison = Compare(known, patch.levels[size_t(level)], pose(), state[3], state[4], options_.noise_grey);
-      if (comparison.points < options_.min_match_points >> level) return std::nullopt;
-      H = options_.independent * comparison.H + prior;
-      const Vector5 step = H.ldlt().solve(options_.independent * comparison.g - prior * (state - start));
-      state += step;
-      if (step.head<2>().norm() < kStep_m && std::abs(step[2]) < kStep_m) break;
-    }
+/// The nearest of the pictures of these steps that lie about where the particle looks now.
+std::vector<KnownFloor> FloorFilter::FindKnown(const Particle& particle, const PlanarPose& expected,
+                                               const FloorPatch& patch, const StepRange& steps) const {
+  const Eigen::Vector2d here = expected * patch.middle;
+  const double reach_m = 0.5 * patch.width_m();
+  std::vector<std::pair<double, KnownFloor>> near;
+  for (int step = steps.begin; step < steps.end; ++step) {
+    const PlanarPose& pose = particle.path[size_t(step)];
+    const FloorPatch& seen = patches_[size_t(step)];
+    if ((pose.position - here).squaredNorm() > 9 * reach_m * reach_m || seen.empty()) continue;
+    const double distance_m = (pose * seen.middle - here).norm();
+    if (distance_m < reach_m) near.push_back({distance_m, {&seen, pose, step}});
   }
-  Match match;
-  match.moved = state.head<3>();
-  match.covariance = H.inverse().topLeftCorner<3, 3>();
-  match.covariance.diagonal() +=
-      Eigen::Vector3d(std::pow(options_.match_sigma_m, 2), std::pow(options_.match_sigma_m, 2),
-                      std::pow(options_.match_sigma_deg * kDegree, 2));
-  match.points = comparison.points;
-  match.mean_rho = comparison.mean_rho;
-  match.correlation = comparison.correlation;
-  return match;
+  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<KnownFloor> known;
+  for (size_t i = 0; i < std::min(near.size(), size_t(options_.pictures)); ++i) known.push_back(near[i].second);
+  return known;
 }
 
 /// The tracked motion's Gaussian times the likelihood's.
@@ -173,13 +70,14 @@ FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const Plana
   proposal.pose = expected;
   proposal.covariance = Q;
   if (patch.empty()) return proposal;
-  const std::vector<Known> pictures = FindKnown(particle, expected, patch);
+  const std::vector<KnownFloor> pictures = FindKnown(particle, expected, patch, LongAgo());
   if (pictures.empty()) return proposal;
-  const std::optional<Match> match = MatchPictures(pictures, expected, patch);
+  const std::optional<FloorMatch> match = MatchFloor(pictures, patch, expected, options_.match);
   if (!match) return proposal;
   proposal.points = match->points;
-  proposal.log_likelihood = -0.5 * std::min(match->mean_rho, kWorstRho);
-  if (match->mean_rho >= kWorstRho || match->correlation < options_.min_correlation) return proposal;
+  proposal.log_likelihood = -0.5 * WorstMeanRho();
+  if (match->mean_rho >= WorstMeanRho() || match->correlation < options_.min_correlation) return proposal;
+  proposal.log_likelihood = -0.5 * match->mean_rho;
   const Eigen::Matrix3d both = Q + match->covariance;
   const Eigen::Matrix3d gain = Q * both.inverse();  // as Kalman's
   const Eigen::Vector3d moved = gain * match->moved;
@@ -189,21 +87,22 @@ FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const Plana
   proposal.log_prior = -0.5 * match->moved.dot(both.inverse() * match->moved) +
                        0.5 * std::log(match->covariance.determinant() / both.determinant());
   const PlanarPose matched = expected * PlanarPose{match->moved.head<2>(), match->moved[2]};
-  const Known& nearest = pictures.front();
-  proposal.loop =
-      FloorLoop{int(particle.path.size()), nearest.step, nearest.pose.Inverse() * matched, match->covariance};
+  const KnownFloor& nearest = pictures.front();
+  proposal.loop = FloorLoop{int(particle.path.size()), nearest.step, nearest.pose.Inverse() * matched,
+                            match->correlation, match->covariance};
   return proposal;
 }
 
 /// Particles may know more or less of what is seen: their likelihoods per point are compared as if all knew as much as
 /// the middle one. One that knows too little is taken for no better than the worst.
 void FloorFilter::Reweigh(const std::vector<Proposal>& proposals) {
+  if (corrected_ == 0) return;  // where nobody recognises the floor, nobody is wrong
   std::vector<int> points;
   for (const Proposal& proposal : proposals) {
     if (proposal.points > 0) points.push_back(proposal.points);
   }
   if (points.empty()) return;
-  const double counted = options_.independent * UpperMedian(points);
+  const double counted = options_.match.independent * UpperMedian(points);
   const auto mass = [&](const Proposal& p) { return counted * p.log_likelihood + p.log_prior; };
   double worst = std::numeric_limits<double>::max();
   for (const Proposal& proposal : proposals) {
@@ -226,19 +125,126 @@ void FloorFilter::Step(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   const double moved_m = motion.position.norm();
   way_m_.push_back((way_m_.empty() ? 0 : way_m_.back()) + moved_m);
   const Eigen::Matrix3d Q = MotionCovariance(options_, moved_m, covariance);
+  const int step = int(patches_.size());
+  const bool guessed = std::sqrt(Q.topLeftCorner<2, 2>().diagonal().maxCoeff()) > options_.joint_m;
+  if (guessed) joints_.push_back({step, Q});
+  const Eigen::Matrix3d drawn = guessed ? Eigen::Matrix3d(1e-12 * Eigen::Matrix3d::Identity()) : Q;
   std::vector<Proposal> proposals;
   corrected_ = 0;
   for (Particle& particle : particles_) {
     const PlanarPose expected = (particle.path.empty() ? PlanarPose() : particle.path.back()) * motion;
-    proposals.push_back(Propose(particle, expected, Q, patch));
+    proposals.push_back(Propose(particle, expected, drawn, patch));
     corrected_ += proposals.back().loop.has_value();
     Move(particle, proposals.back());
   }
-  const int step = int(patches_.size());
   motions_.push_back({step - 1, step, motion, Q});
   patches_.push_back(std::move(patch));
   Reweigh(proposals);
   Resample();
+  Search();
+}
+
+const FloorFilter::Joint* FloorFilter::OpenJoint() const {
+  const auto open = std::find_if(joints_.rbegin(), joints_.rend(), [](const Joint& joint) { return joint.open; });
+  return open == joints_.rend() ? nullptr : &*open;
+}
+
+int FloorFilter::open_joints() const {
+  return int(std::count_if(joints_.begin(), joints_.end(), [](const Joint& joint) { return joint.open; }));
+}
+
+/// Places in the map of steps before `map_end` where a keyframe since `begin` agrees with what was seen there, best
+/// first.
+std::vector<FloorLoop> FloorFilter::VerifiedFinds(int begin, int map_end) const {
+  constexpr int kFinds = 6, kKeyframes = 8;
+  const Particle& best = Best();
+  const auto draw = [&](int first, int end) {
+    return DrawFloor({patches_.begin() + first, patches_.begin() + end},
+                     {best.path.begin() + first, best.path.begin() + end}, options_.search_cell_m);
+  };
+  const int steps = int(patches_.size());
+  const Eigen::Matrix3d covariance = Covariance();
+  FloorSearchRange range;
+  range.reach_m = 3 * std::sqrt(covariance.topLeftCorner<2, 2>().trace()) + 2 * options_.search_cell_m;
+  range.reach_rad = 3 * std::sqrt(covariance(2, 2)) + range.step_rad;
+  std::vector<FloorLoop> verified;
+  for (const FloorFind& find :
+       SearchFloor(draw(0, map_end), draw(begin, steps), range, options_.search_cells, kFinds)) {
+    std::optional<FloorLoop> loop;
+    for (int k = steps - 1; k >= std::max(begin, steps - kKeyframes); --k) {
+      const std::optional<FloorLoop> here = Verify(find.X_MP * best.path[size_t(k)], k, map_end);
+      if (here && (!loop || here->correlation > loop->correlation)) loop = here;
+    }
+    if (loop) verified.push_back(*loop);
+  }
+  std::stable_sort(verified.begin(), verified.end(),
+                   [](const FloorLoop& a, const FloorLoop& b) { return a.correlation > b.correlation; });
+  return verified;
+}
+
+/// Whether a keyframe agrees with the map of steps before `map_end` where it is expected; if so, how it lies there.
+std::optional<FloorLoop> FloorFilter::Verify(const PlanarPose& expected, int keyframe, int map_end) const {
+  const FloorPatch& patch = patches_[size_t(keyframe)];
+  if (patch.empty()) return std::nullopt;
+  const std::vector<KnownFloor> pictures = FindKnown(Best(), expected, patch, {0, map_end});
+  if (pictures.empty()) return std::nullopt;
+  const std::optional<FloorMatch> match = MatchFloor(pictures, patch, expected, options_.match);
+  if (!match || match->points < 2 * options_.match.min_points || match->mean_rho >= WorstMeanRho() ||
+      match->correlation < options_.min_correlation) {
+    return std::nullopt;
+  }
+  const PlanarPose matched = expected * PlanarPose{match->moved.head<2>(), match->moved[2]};
+  const KnownFloor& nearest = pictures.front();
+  return FloorLoop{keyframe, nearest.step, nearest.pose.Inverse() * matched, match->correlation, match->covariance};
+}
+
+/// Looks for the last piece in the map. Without an open joint, the way itself may have drifted farther than a
+/// particle's own search reaches: then the last keyframes are looked for.
+void FloorFilter::Search() {
+  constexpr int kKeyframes = 6;
+  const Joint* joint = OpenJoint();
+  const int steps = int(patches_.size());
+  if (patches_.back().empty()) return;
+  if (joint) {
+    if (const std::optional<FloorLoop> loop = ClearFind(joint->step, joint->step)) AttachPiece(joint->step, *loop);
+    return;
+  }
+  const StepRange known = LongAgo();
+  const double sigma_m = std::sqrt(Covariance().topLeftCorner<2, 2>().trace());
+  if (sigma_m < options_.search_sigma_m || 2 * corrected_ > int(particles_.size()) ||
+      FindKnown(Best(), Best().path.back(), patches_.back(), known).empty()) {
+    return;
+  }
+  const std::optional<FloorLoop> loop = ClearFind(std::max(known.end, steps - kKeyframes), known.end);
+  if (loop) AttachPiece(steps - 1, *loop);
+}
+
+/// The best of the finds; two places that agree alike leave the question open.
+std::optional<FloorLoop> FloorFilter::ClearFind(int begin, int map_end) const {
+  constexpr double kSamePlace_m = 0.1, kClearlyBetter = 0.03;
+  const std::vector<FloorLoop> finds = VerifiedFinds(begin, map_end);
+  if (finds.empty()) return std::nullopt;
+  const std::vector<PlanarPose>& path = Best().path;
+  const auto there = [&](const FloorLoop& loop) {  // where it puts the first pose
+    const PlanarPose move = path[size_t(loop.earlier)] * loop.motion * path[size_t(loop.keyframe)].Inverse();
+    return move * path[size_t(begin)].position;
+  };
+  for (const FloorLoop& other : finds) {
+    const bool elsewhere = (there(other) - there(finds.front())).norm() > kSamePlace_m;
+    if (elsewhere && other.correlation > finds.front().correlation - kClearlyBetter) return std::nullopt;
+  }
+  return finds.front();
+}
+
+/// Moves the way from a step on to where a loop of it says; whatever joint lies between is closed.
+void FloorFilter::AttachPiece(int begin, const FloorLoop& loop) {
+  for (Particle& particle : particles_) {
+    std::vector<PlanarPose>& path = particle.path;
+    const PlanarPose move = path[size_t(loop.earlier)] * loop.motion * path[size_t(loop.keyframe)].Inverse();
+    for (size_t step = size_t(begin); step < path.size(); ++step) path[step] = move * path[step];
+    particle.loops.push_back(loop);
+  }
+  for (Joint& joint : joints_) joint.open = joint.open && joint.step <= loop.earlier;
 }
 
 void FloorFilter::Resample() {
@@ -286,6 +292,15 @@ Eigen::Matrix3d FloorFilter::Covariance() const {
     Eigen::Vector3d off;
     off << pose.position - mean.position, WrapAngle(pose.heading - mean.heading);
     covariance += weights[i] * off * off.transpose();
+  }
+  for (const Joint& joint : joints_) {
+    if (!joint.open) continue;
+    const PlanarPose& begin = Best().path[size_t(joint.step)];
+    const Eigen::Vector2d arm = mean.position - begin.position;
+    Eigen::Matrix3d J = Eigen::Matrix3d::Identity();  // of the last pose in W by the piece's first in its own frame
+    J.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(begin.heading).toRotationMatrix();
+    J.topRightCorner<2, 1>() = Eigen::Vector2d(-arm.y(), arm.x());
+    covariance += J * joint.covariance * J.transpose();
   }
   return covariance;
 }

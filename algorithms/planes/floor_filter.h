@@ -10,15 +10,16 @@
 ///
 /// Proposal and weight. The tracked motion is a Gaussian N(m, Q) about each particle's last pose (Eq. 6.21). Where a
 /// particle's map holds floor that it saw long ago, the pose is drawn from N(m, Q) times the likelihood of the
-/// image given that map instead, a Gaussian about its maximum (Gauss-Newton), and the weight is the mass of that
-/// product: a filter that samples where its particles survive. Elsewhere N(m, Q) is drawn from and weights stay.
+/// image given that map instead (floor_match.h), a Gaussian about its maximum (Gauss-Newton), and the weight is the
+/// mass of that product: a filter that samples where its particles survive. Elsewhere N(m, Q) is drawn from and weights
+/// stay.
 ///
-/// Likelihood (instead of Eq. 6.22, a plain sum of differences). Each of n floor points that the map knows has a
-/// residual r = seen - (gain map + offset), gain and offset fitted; a residual is Gaussian noise of sensor, cell and
-/// blur with standard deviation `noise_grey`, or, at a part of the points, anything at all: log p = -1/2 sum rho(r /
-/// noise_grey), rho(e) = c^2 log(1 + e^2/c^2). Neighbouring points err together: the sum counts for `independent` of
-/// the points.
-
+/// After a loss the motion is little more than a guess. Too few particles would fall near the truth if they drew it, so
+/// none is drawn: the way goes on from the guess as a piece of its own, hung on by a joint whose covariance is kept
+/// beside the particles. What the piece has seen is searched for in the map (floor_search.h); once it is found, the
+/// piece is moved there, whole, and the joint is closed. A way that has drifted farther than particles search is looked
+/// for in the same manner when known floor is near.
+///
 #pragma once
 
 #include <Eigen/Core>
@@ -30,7 +31,7 @@
 #include "algorithms/core/planar_pose.h"
 #include "algorithms/core/random.h"
 #include "algorithms/estimation/planar_graph.h"
-#include "algorithms/planes/floor_patch.h"
+#include "algorithms/planes/floor_match.h"
 
 namespace gaitcam {
 
@@ -46,13 +47,13 @@ struct FloorFilterOptions {
   double loop_m = 2.0;           ///< Floor seen so much way ago, or more, corrects the pose.
   int pictures = 4;              ///< Earlier keyframes that a new one is compared with: the nearest.
   int match_points = 400;        ///< Floor points compared with the map.
-  int min_match_points = 80;     ///< Fewer in known floor say nothing.
-  double match_sigma_m = 0.003;  ///< Least standard deviation of a match: pictures are rectified only so well.
-  double match_sigma_deg = 0.2;
+  FloorMatchOptions match;
   double min_correlation = 0.8;  ///< Of a match; less: it is another place.
-  double noise_grey = 8.0;
-  double independent = 0.05;    ///< Part of the points that the likelihood counts.
-  double resample_ratio = 0.5;  ///< A smaller effective part of the particles is drawn anew.
+  double joint_m = 0.1;          ///< A motion with a larger standard deviation is not drawn: it makes a joint.
+  double search_sigma_m = 0.02;  ///< Known no better than this, known floor is searched for where no particle finds it.
+  double search_cell_m = 0.025;  ///< Of the pictures in which a piece's place is searched for.
+  int search_cells = 150;        ///< Fewer known in both say nothing.
+  double resample_ratio = 0.5;   ///< A smaller effective part of the particles is drawn anew.
 };
 
 template <class Visitor>
@@ -66,12 +67,13 @@ void VisitFields(Visitor& visit, FloorFilterOptions& o) {
   visit("loop_m", o.loop_m, Between(0.1, 1e6), "way after which floor seen again corrects the pose");
   visit("pictures", o.pictures, Between(1, 1000), "earlier keyframes that a new one is compared with");
   visit("match_points", o.match_points, Between(10, 100000), "floor points compared with the map");
-  visit("min_match_points", o.min_match_points, Between(4, 100000), "fewer in known floor say nothing");
-  visit("match_sigma_m", o.match_sigma_m, Between(1e-5, 1.0), "least standard deviation of a match");
-  visit("match_sigma_deg", o.match_sigma_deg, Between(1e-3, 90.0), "least standard deviation of a match");
+  visit("match", o.match, Nested(), "likelihood of what is seen");
   visit("min_correlation", o.min_correlation, Between(0.0, 1.0), "of a match; less: another place");
-  visit("noise_grey", o.noise_grey, Between(0.1, 255.0), "standard deviation of a floor point's residual");
-  visit("independent", o.independent, Between(1e-4, 1.0), "part of the points that the likelihood counts");
+  visit("joint_m", o.joint_m, Between(0.001, 1e6), "a motion known worse is not drawn: its end is searched for");
+  visit("search_sigma_m", o.search_sigma_m, Between(0.001, 1e6),
+        "standard deviation from which on known floor is searched for where no particle finds it");
+  visit("search_cell_m", o.search_cell_m, Between(0.005, 1.0), "of the pictures in which a piece is searched for");
+  visit("search_cells", o.search_cells, Between(10, 1000000), "fewer known in both pictures say nothing");
   visit("resample_ratio", o.resample_ratio, Between(0.0, 1.0), "a smaller effective part is drawn anew");
 }
 
@@ -79,6 +81,7 @@ void VisitFields(Visitor& visit, FloorFilterOptions& o) {
 struct FloorLoop {
   int keyframe = 0, earlier = 0;                         ///< Indices of steps; of several earlier ones, the nearest.
   PlanarPose motion;                                     ///< From the earlier one to the keyframe.
+  double correlation = 0;                                ///< Of what both saw.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of x, y (m), yaw (rad), in the keyframe's frame.
 };
 
@@ -105,6 +108,8 @@ class FloorFilter {
   FloorPicture Map(const std::vector<PlanarPose>& path) const;
 
   double effective_particles() const { return effective_; }
+  /// Losses after which the way's place in the map has not been found again.
+  int open_joints() const;
   /// Particles whose last pose was corrected by floor seen long ago.
   int corrected() const { return corrected_; }
   /// Memory of what the particles know: pictures and ways.
@@ -116,19 +121,6 @@ class FloorFilter {
     std::vector<FloorLoop> loops;
     double log_weight = 0;
   };
-  /// An earlier picture and where it lies.
-  struct Known {
-    const FloorPatch* patch;
-    PlanarPose pose;
-    int step;
-  };
-  /// Where the pictures agree best, alone.
-  struct Match {
-    Eigen::Vector3d moved;       ///< x, y (m), yaw (rad) from the expected pose, in its frame ...
-    Eigen::Matrix3d covariance;  ///< ... as are these.
-    int points = 0;
-    double mean_rho = 0, correlation = 0;
-  };
   /// Where a particle may be after a motion.
   struct Proposal {
     PlanarPose pose;
@@ -139,14 +131,31 @@ class FloorFilter {
     std::optional<FloorLoop> loop;  ///< Set if they agree.
   };
 
-  std::vector<Known> FindKnown(const Particle& particle, const PlanarPose& expected, const FloorPatch& patch) const;
-  std::optional<Match> MatchPictures(const std::vector<Known>& pictures, const PlanarPose& expected,
-                                     const FloorPatch& patch) const;
+  /// Where the way broke off and went on from a guess.
+  struct Joint {
+    int step = 0;                ///< The first of the new piece.
+    Eigen::Matrix3d covariance;  ///< Of its pose, in its own frame.
+    bool open = true;
+  };
+  /// Steps in which floor is looked for: [begin, end).
+  struct StepRange {
+    int begin = 0, end = 0;
+  };
+
+  StepRange LongAgo() const;
+  std::vector<KnownFloor> FindKnown(const Particle& particle, const PlanarPose& expected, const FloorPatch& patch,
+                                    const StepRange& steps) const;
   Proposal Propose(const Particle& particle, const PlanarPose& expected, const Eigen::Matrix3d& Q,
                    const FloorPatch& patch) const;
   void Move(Particle& particle, const Proposal& proposal);
   void Reweigh(const std::vector<Proposal>& proposals);
   void Resample();
+  const Joint* OpenJoint() const;
+  void Search();
+  std::optional<FloorLoop> ClearFind(int begin, int map_end) const;
+  std::vector<FloorLoop> VerifiedFinds(int begin, int map_end) const;
+  std::optional<FloorLoop> Verify(const PlanarPose& expected, int keyframe, int map_end) const;
+  void AttachPiece(int begin, const FloorLoop& loop);
   const Particle& Best() const;
 
   FloorFilterOptions options_;
@@ -155,6 +164,7 @@ class FloorFilter {
   std::vector<FloorPatch> patches_;  ///< One per step ...
   std::vector<double> way_m_;        ///< ... how long the way was there ...
   std::vector<PlanarEdge> motions_;  ///< ... and the motion that led there.
+  std::vector<Joint> joints_;
   double effective_ = 0;
   int corrected_ = 0;
 };

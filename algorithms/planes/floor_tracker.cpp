@@ -100,6 +100,23 @@ cv::Mat FloorTracker::Undistort(const cv::Mat& image) const {
   return straight;
 }
 
+/// Of the camera, in its own frame, rad/s.
+Eigen::Vector3d FloorTracker::AngularRate(const ImuSample& sample) const {
+  return calibration_.imu.X_CI.rotation * sample.angular_rate - gyro_bias_;
+}
+
+/// While floor is followed, what the gyroscope says beside it is its bias: a Kalman filter of a constant.
+void FloorTracker::LearnBias(const Pose& X_CK) {
+  constexpr double kTurnSigma_rad = 0.15 * kDegree;  // of a keyframe's alignment
+  if (!keyframe_->turned) return;
+  const Eigen::AngleAxisd off(X_CK.rotation * *keyframe_->turned);  // R_CK R_KC'
+  const double since_s = std::max(keyframe_->turned_s, 1e-3);
+  const double variance = std::pow(kTurnSigma_rad / since_s, 2), before = std::pow(gyro_bias_sigma_, 2);
+  const double gain = before / (before + variance);
+  gyro_bias_ += gain * off.angle() / since_s * off.axis();
+  gyro_bias_sigma_ = std::sqrt((1 - gain) * before);
+}
+
 /// Each reading is the mean over one period about its stamp.
 FloorTracker::Rotation FloorTracker::Integrate(const Observation& observation) {
   if (!options_.use_imu || calibration_.imu.rate_hz <= 0) return {};
@@ -113,7 +130,7 @@ FloorTracker::Rotation FloorTracker::Integrate(const Observation& observation) {
       const double end = std::min(to_ns, double(sample.stamp_ns) + half_ns);
       if (end <= begin) continue;
       covered_ns += end - begin;
-      q = q * TurnBy(calibration_.imu.X_CI.rotation * sample.angular_rate * (end - begin) * 1e-9);
+      q = q * TurnBy(AngularRate(sample) * (end - begin) * 1e-9);
     }
     if (covered_ns < 0.7 * (to_ns - from_ns)) return std::nullopt;
     const Eigen::AngleAxisd axis(q.w() < 0 ? Eigen::Quaterniond(-q.coeffs()) : q);
@@ -137,7 +154,7 @@ void FloorTracker::FollowGravity(const Observation& observation) {
   const double dt = 1 / calibration_.imu.rate_hz;
   for (const ImuSample& sample : observation.imu) {
     const Eigen::Quaterniond R_CI = calibration_.imu.X_CI.rotation;
-    *up_C_ = TurnBy(R_CI * sample.angular_rate * dt).conjugate() * *up_C_;
+    *up_C_ = TurnBy(AngularRate(sample) * dt).conjugate() * *up_C_;
     *up_C_ += dt / kTime_s * ((R_CI * sample.specific_force).normalized() - *up_C_);
     up_C_->normalize();
   }
@@ -267,6 +284,13 @@ bool FloorTracker::IsPlausible(const FloorTrack& track) const {
          std::abs(track.X_WC.translation.z() / standing.height_m - 1) < options_.max_height_ratio;
 }
 
+/// Whoever takes something upright for the floor turns where the gyroscope feels nothing.
+bool FloorTracker::TurnsAsFelt(const Pose& X_CR) const {
+  if (!keyframe_->turned) return true;
+  const double most = options_.max_turn_deg * kDegree + 3 * gyro_bias_sigma_ * keyframe_->turned_s;
+  return RotationAngle(X_CR.rotation.conjugate(), *keyframe_->turned) < most;
+}
+
 bool FloorTracker::IsDue(const FloorTrack& track, double inside_ratio) const {
   const double moved_m = (track.X_WC.translation - keyframe_->X_WK.translation).norm();
   return moved_m > options_.keyframe_move_heights * calibration_.standing->height_m ||
@@ -296,7 +320,7 @@ FloorTrack FloorTracker::Follow(const Observation& observation, const Rotation& 
   track.inliers = found.inliers;
   const FloorTrack candidate = Accept(found, blur);
   if (found.converged && found.correlation >= options_.min_correlation && track.points >= options_.min_points &&
-      IsPlausible(candidate)) {
+      IsPlausible(candidate) && TurnsAsFelt(found.state.X_CR)) {
     track = candidate;
     track.points = int(keyframe_->reference.points.front().size());
     track.inliers = found.inliers;
@@ -321,6 +345,7 @@ void FloorTracker::Succeed(const Observation& observation, const PlaneState& now
     lost_frames_ = std::max(lost_frames_, options_.max_lost_frames);
     return;
   }
+  LearnBias(now.X_CR);
   track.retired = std::move(retired);
   track.X_WC = Corrected(track.X_WC);
   MakeKeyframe(observation.stamp_ns, track.X_WC, blur.Motion(now.X_CR), rejected);
@@ -341,7 +366,13 @@ FloorTrack FloorTracker::Track(const Observation& observation) {
     track.tracked = track.points >= options_.min_points;
     if (!track.tracked) keyframe_.reset();
   } else {
-    if (turned.since_last) X_dead_.rotation = X_dead_.rotation * TurnBy(*turned.since_last);
+    if (turned.since_last) {
+      X_dead_.rotation = X_dead_.rotation * TurnBy(*turned.since_last);
+      if (keyframe_->turned) *keyframe_->turned = *keyframe_->turned * TurnBy(*turned.since_last);
+      keyframe_->turned_s += double(observation.stamp_ns - last_ns_) * 1e-9;
+    } else {
+      keyframe_->turned.reset();
+    }
     track = Follow(observation, turned);
     if (!track.tracked && ++lost_frames_ > options_.max_lost_frames) {
       if (keyframe_->confirmed && keyframe_->tracked_frames > 0 && rejected_.empty())

@@ -32,6 +32,7 @@ struct FloorTrackerOptions {
   int max_lost_frames = 3;             ///< Then a new keyframe is tried.
   double max_height_ratio = 0.2;       ///< A camera this much higher or lower than standing is lost ...
   double max_tilt_deg = 10;            ///< ... or one that leans so from what gravity, or standing upright, says ...
+  double max_turn_deg = 0.5;           ///< ... or one that turned otherwise than the gyroscope says ...
   double min_floor_ratio = 0.5;        ///< ... or whose view is floor to a smaller part.
   int min_points = 150;                ///< Pixels with texture that a keyframe needs.
   double height_sigma_ratio = 0.03;    ///< Of a walking camera's height about the standing one's.
@@ -54,6 +55,7 @@ void VisitFields(Visitor& visit, FloorTrackerOptions& o) {
   visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "lost frames until a new keyframe is tried");
   visit("max_height_ratio", o.max_height_ratio, Between(0.01, 10.0), "higher or lower than standing: lost");
   visit("max_tilt_deg", o.max_tilt_deg, Between(0.1, 90.0), "from what gravity or standing upright says: lost");
+  visit("max_turn_deg", o.max_turn_deg, Between(0.01, 180.0), "since the keyframe, from what the gyroscope says: lost");
   visit("min_floor_ratio", o.min_floor_ratio, Between(0.0, 1.0), "a smaller part of what is seen is floor: lost");
   visit("min_points", o.min_points, Between(30, 100000), "textured pixels that a keyframe needs");
   visit("height_sigma_ratio", o.height_sigma_ratio, Between(1e-6, 1.0), "of a walking camera's height");
@@ -119,12 +121,16 @@ class FloorTracker {
     int id = 0;
     bool confirmed = true;  ///< False after a loss, until the next one succeeds it.
     int tracked_frames = 0;
+    std::optional<Eigen::Quaterniond> turned = Eigen::Quaterniond::Identity();  ///< R_KC since, by the gyroscope ...
+    double turned_s = 0;                                                        ///< ... over this time.
   };
   struct Rotation {
     std::optional<Eigen::Vector3d> since_last, during_exposure;  ///< Rotation vectors of the camera in its own frame.
   };
 
   cv::Mat Undistort(const cv::Mat& image) const;
+  Eigen::Vector3d AngularRate(const ImuSample& sample) const;
+  void LearnBias(const Pose& X_CK);
   Rotation Integrate(const Observation& observation);
   void FollowGravity(const Observation& observation);
   void Start(const Observation& observation);
@@ -133,6 +139,7 @@ class FloorTracker {
   void Succeed(const Observation& observation, const PlaneState& now, const CurrentBlur& blur, FloorTrack& track);
   FloorTrack Accept(const PlaneAlignment& found, const CurrentBlur& blur) const;
   bool IsPlausible(const FloorTrack& track) const;
+  bool TurnsAsFelt(const Pose& X_CR) const;
   bool IsDue(const FloorTrack& track, double inside_ratio) const;
   FloorKeyframe Retire(const PlaneState* now, const CurrentBlur& blur) const;
   cv::Mat CarryRejected(const FloorKeyframe& retired, const PlaneState& now) const;
@@ -154,7 +161,9 @@ class FloorTracker {
   int lost_frames_ = 0, keyframes_ = 0;
   cv::Mat rejected_;  ///< Where what was followed in place of floor is now; empty if nothing was.
   std::vector<ImuSample> imu_;
-  std::optional<Eigen::Vector3d> up_C_;  ///< As the IMU has it.
+  Eigen::Vector3d gyro_bias_ = Eigen::Vector3d::Zero();  ///< In the camera's frame, rad/s.
+  double gyro_bias_sigma_ = 0.02;                        ///< Of each component.
+  std::optional<Eigen::Vector3d> up_C_;                  ///< As the IMU has it.
 };
 
 }  // namespace gaitcam

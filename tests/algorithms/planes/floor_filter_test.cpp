@@ -71,6 +71,49 @@ TEST(FloorFilter, KnownFloorHalvesTheErrorOfTheWayAtLeast) {
   }
 }
 
+TEST(FloorFilter, AfterALossItIsUnsureUntilItFindsItsPlaceAgain) {
+  // For a while it sees no floor, and what it believes then is off by half a metre and 20 degrees, and it says that it
+  // may be. The circle leads back to where it began.
+  const DrawnFloor floor(7);
+  FloorFilter filter(Options(), 3);
+  const Eigen::Matrix3d usual = Eigen::Vector3d(5e-4, 5e-4, 5e-4).cwiseAbs2().asDiagonal();
+  const Eigen::Matrix3d guess = Eigen::Vector3d(0.4, 0.4, 0.3).cwiseAbs2().asDiagonal();
+  for (int i = 0; i <= 34; ++i) {
+    PlanarPose motion = i == 0 ? PlanarPose() : Round(i - 1).Inverse() * Round(i);
+    const bool lost = i == 20;
+    if (lost) motion = motion * PlanarPose{{0.4, -0.3}, 0.35};
+    const bool blind = i > 12 && i < 20;
+    filter.Step(motion, lost ? guess : usual, blind ? FloorPatch() : Seen(floor, Round(i), uint64_t(i)));
+    const double error_m = (filter.Mean().position - Round(i).position).norm();
+    const double sigma_m = std::sqrt(filter.Covariance().topLeftCorner<2, 2>().trace());
+    if (i == 27) {
+      EXPECT_EQ(filter.open_joints(), 1);
+      EXPECT_GT(error_m, 0.2);
+      EXPECT_GT(sigma_m, 0.5 * error_m);  // and not silent about it
+    }
+  }
+  EXPECT_EQ(filter.open_joints(), 0);
+  EXPECT_LT((filter.Mean().position - Round(34).position).norm(), 0.01);
+  EXPECT_LT(std::abs(WrapAngle(filter.Mean().heading - Round(34).heading)), 0.5 / 57.3);
+  EXPECT_LT(std::sqrt(filter.Covariance().topLeftCorner<2, 2>().trace()), 0.03);
+}
+
+TEST(FloorFilter, AWayThatDriftedFartherThanParticlesSearchIsFoundAllTheSame) {
+  const DrawnFloor floor(7);
+  FloorFilterOptions options = Options();
+  options.drift_ratio = 0.05;  // it knows that its motions are bad
+  FloorFilter filter(options, 2);
+  double before_m = 0;
+  for (int i = 0; i <= 36; ++i) {
+    PlanarPose motion = i == 0 ? PlanarPose() : Round(i - 1).Inverse() * Round(i);
+    if (i > 0) motion.position += Rotate({0.003, 0}, -Round(i - 1).heading);  // 3 % of the way, always to one side
+    filter.Step(motion, 1e-6 * Eigen::Matrix3d::Identity(), Seen(floor, Round(i), uint64_t(i)));
+    if (i == 25) before_m = (filter.Mean().position - Round(i).position).norm();
+  }
+  EXPECT_GT(before_m, 0.06);
+  EXPECT_LT((filter.Mean().position - Round(36).position).norm(), 0.01);
+}
+
 TEST(FloorFilter, SeeingNothingItKeepsTheMotionsAndKnowsThatItDrifts) {
   FloorFilter filter(Options(), 1);
   const PlanarPose motion{{0.1, 0}, 0};

@@ -19,6 +19,8 @@ Pose Walking(double frame) {
                     0.02 * sway);
 }
 
+constexpr double kGravity_m_s2 = 9.81;
+
 /// The tracker's world begins below the first camera.
 Pose InItsWorld(const Pose& X_WC) { return BelowCamera(Walking(0)).Inverse().Lifted() * X_WC; }
 
@@ -103,6 +105,56 @@ TEST(FloorTracker, AfterALossTheWayIsUncertain) {
   }
   EXPECT_LT(usual_m, 0.003);
   EXPECT_GT(widest_m, 0.1);  // half a second at walking pace
+}
+
+/// Of a camera that turns to the left at `rate` rad/s, from an IMU with the camera's axes and a bias.
+std::vector<ImuSample> Felt(const Observation& observation, double rate, const Eigen::Vector3d& bias) {
+  std::vector<ImuSample> samples;
+  const Eigen::Vector3d up_C = CameraOver({}).R().transpose() * Eigen::Vector3d::UnitZ();
+  for (int k = 6; k >= 0; --k) {
+    samples.push_back({observation.stamp_ns - k * 5'000'000LL, rate * up_C + bias, kGravity_m_s2 * up_C});
+  }
+  return samples;
+}
+
+TEST(FloorTracker, LearnsTheGyroscopesBiasAndKeepsItsHeadingThroughALoss) {
+  const DrawnFloor floor(8);
+  Calibration calibration = DrawnCalibration();
+  calibration.imu.rate_hz = 200;
+  FloorTracker tracker(calibration, {});
+  const Eigen::Vector3d bias(0.005, 0.015, -0.01);  // mostly about the vertical: 0.9 degrees per second
+  constexpr double kRate_rad_s = 0.3;
+  const auto at = [&](int frame) { return CameraOver({{0.01 * frame, 0}, kRate_rad_s * frame / 30.0}); };
+  const cv::Mat blank(SmallCamera().height_px, SmallCamera().width_px, CV_8UC1, cv::Scalar(120));
+  FloorTrack last;
+  constexpr int kSeen = 90, kFrames = 150;
+  for (int i = 0; i < kFrames; ++i) {
+    Observation observation = Observe(i < kSeen ? Draw(floor, {at(i)}, 1, uint64_t(i)) : blank, i);
+    observation.imu = Felt(observation, kRate_rad_s, bias);
+    last = tracker.Track(observation);
+    ASSERT_EQ(last.tracked, i < kSeen) << i;
+  }
+  const double off_rad = WrapAngle(BelowCamera(last.X_WC).heading - kRate_rad_s * (kFrames - 1) / 30.0);
+  // The bias alone would turn it by 1.8 degrees in these 2 s.
+  EXPECT_LT(std::abs(off_rad) * 180 / std::numbers::pi, 0.5);
+}
+
+TEST(FloorTracker, ATurnThatTheGyroscopeDoesNotFeelIsNoTurn) {
+  // The floor itself turns under the standing robot: a rug pulled, or something that is no floor.
+  const DrawnFloor floor(9);
+  Calibration calibration = DrawnCalibration();
+  calibration.imu.rate_hz = 200;
+  FloorTracker tracker(calibration, {});
+  int tracked = 0;
+  for (int i = 0; i < 60; ++i) {
+    const double turned = i < 30 ? 0 : 0.02 * (i - 30);
+    Observation observation = Observe(Draw(floor, {CameraOver({{i < 30 ? 0.01 * i : 0.3, 0}, turned})}, 1), i);
+    observation.imu = Felt(observation, 0, Eigen::Vector3d::Zero());
+    const FloorTrack track = tracker.Track(observation);
+    if (i < 30) ASSERT_TRUE(track.tracked) << i;
+    if (i >= 40) tracked += track.tracked;
+  }
+  EXPECT_LE(tracked, 4);
 }
 
 TEST(FloorTracker, ABoxOnTheFloorIsNoPartOfIt) {
