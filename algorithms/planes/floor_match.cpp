@@ -10,8 +10,8 @@
 namespace gaitcam {
 namespace {
 
-using Vector5 = FloorComparison::Vector5;
-using Matrix5 = FloorComparison::Matrix5;
+using Vector5 = FloorAgreement::Vector5;
+using Matrix5 = FloorAgreement::Matrix5;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kTail = 3;  // c of rho: beyond so many standard deviations a point hardly counts
@@ -42,14 +42,14 @@ std::optional<FloorPatch::Sample> LookUp(const std::vector<Lookup>& known, const
 
 }  // namespace
 
-FloorComparison CompareFloor(const std::vector<KnownFloor>& known, const FloorPatch& patch, int level,
-                             const PlanarPose& pose, double gain, double offset, double noise_grey) {
+FloorAgreement AgreementOf(const std::vector<KnownFloor>& known, const FloorPatch& patch, int level,
+                           const PlanarPose& pose, double gain, double offset, double noise_grey) {
   std::vector<Lookup> lookups;
   for (const KnownFloor& k : known) {
     lookups.push_back({&k.patch->levels[size_t(level)], k.pose.Inverse(),
                        Eigen::Rotation2Df(float(k.pose.heading)).toRotationMatrix()});
   }
-  FloorComparison comparison;
+  FloorAgreement comparison;
   Eigen::Array2d sum = Eigen::Array2d::Zero();
   Eigen::Array3d products = Eigen::Array3d::Zero();
   const Eigen::Matrix2d R = Eigen::Rotation2Dd(pose.heading).toRotationMatrix();
@@ -90,12 +90,12 @@ std::optional<FloorMatch> MatchFloor(const std::vector<KnownFloor>& known, const
   const Matrix5 prior = window.cwiseAbs2().cwiseInverse().asDiagonal();
   const Vector5 start(0, 0, 0, 1, 0);
   Vector5 state = start;
-  FloorComparison comparison;
+  FloorAgreement comparison;
   Matrix5 H;
   const auto pose = [&] { return expected * PlanarPose{state.head<2>(), state[2]}; };
   for (int level = FloorPatch::kLevels - 1; level >= 0; level -= 2) {
     for (int i = 0; i < kIterations; ++i) {
-      comparison = CompareFloor(known, patch, level, pose(), state[3], state[4], options.noise_grey);
+      comparison = AgreementOf(known, patch, level, pose(), state[3], state[4], options.noise_grey);
       if (comparison.points < options.min_points >> level) return std::nullopt;
       H = options.independent * comparison.H + prior;
       const Vector5 step = H.ldlt().solve(options.independent * comparison.g - prior * (state - start));

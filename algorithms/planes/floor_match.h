@@ -45,7 +45,7 @@ struct KnownFloor {
 };
 
 /// A picture compared with earlier ones from one place.
-struct FloorComparison {
+struct FloorAgreement {
   using Vector5 = Eigen::Matrix<double, 5, 1>;
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
@@ -57,8 +57,8 @@ struct FloorComparison {
 };
 
 /// @param level of the pictures that are compared.
-FloorComparison CompareFloor(const std::vector<KnownFloor>& known, const FloorPatch& patch, int level,
-                             const PlanarPose& pose, double gain, double offset, double noise_grey);
+FloorAgreement AgreementOf(const std::vector<KnownFloor>& known, const FloorPatch& patch, int level,
+                           const PlanarPose& pose, double gain, double offset, double noise_grey);
 
 /// Where the pictures agree best.
 struct FloorMatch {

@@ -20,7 +20,7 @@ TEST(FloorMatch, LikelihoodOfAResidualThatAllPointsHaveIsThatResiduals) {
   const FloorPatch patch = Seen(DrawnFloor(1), {});
   const std::vector<KnownFloor> known = {{&patch, {}, 0}};
   for (const double off_grey : {0.0, 4.0, 8.0, 80.0}) {
-    const FloorComparison comparison = CompareFloor(known, patch, 0, {}, 1, -off_grey, 8);
+    const FloorAgreement comparison = AgreementOf(known, patch, 0, {}, 1, -off_grey, 8);
     EXPECT_GT(comparison.points, 200);
     EXPECT_NEAR(comparison.mean_rho, Rho(off_grey / 8), 1e-3) << off_grey;  // intensities are floats
     EXPECT_NEAR(comparison.correlation, 1, 1e-6);
@@ -33,11 +33,11 @@ TEST(FloorMatch, GradientIsTheDerivativeOfTheLikelihood) {
   const std::vector<KnownFloor> known = {{&earlier, {}, 0}};
   const PlanarPose pose{{0.022, 0.012}, 0.052};
   const auto cost = [&](const Eigen::Vector3d& moved, double gain, double offset) {
-    const FloorComparison c =
-        CompareFloor(known, patch, 0, pose * PlanarPose{moved.head<2>(), moved[2]}, gain, offset, 8);
+    const FloorAgreement c =
+        AgreementOf(known, patch, 0, pose * PlanarPose{moved.head<2>(), moved[2]}, gain, offset, 8);
     return std::pair{-0.5 * c.points * c.mean_rho, c.points};
   };
-  const FloorComparison here = CompareFloor(known, patch, 0, pose, 0.95, 3, 8);
+  const FloorAgreement here = AgreementOf(known, patch, 0, pose, 0.95, 3, 8);
   const double step[5] = {4e-4, 4e-4, 1e-3, 1e-3, 0.05};
   for (int i = 0; i < 5; ++i) {
     Eigen::Matrix<double, 5, 1> d = Eigen::Matrix<double, 5, 1>::Zero();
