@@ -31,7 +31,10 @@ namespace {
 class WaveletIndex : public PlaceIndex {
  public:
   explicit WaveletIndex(const PlaceIndexSetup& setup)
-      : layout_(setup.layout), view_width_px_(setup.view_width_px), encoder_(setup.layout.height_px) {}
+      : layout_(setup.layout),
+        view_width_px_(setup.view_width_px),
+        encoder_(setup.layout.height_px, setup.wavelet),
+        map_(setup.wavelet) {}
 
   void Add(const cv::Mat& panorama) override {
     internal::CheckPlaceImage(panorama, layout_.width_px, layout_.height_px, "panorama");

@@ -39,6 +39,7 @@ struct PlaceIndexSetup {
   int view_width_px = 0;          ///< CylinderProjection::width_px().
   std::vector<cv::Mat> training;  ///< CV_8UC1, for methods that learn before they start: orb_words.
   uint64_t seed = 1;              ///< Of what they draw.
+  WaveletOptions wavelet;
 };
 
 /// "wavelet": the thesis's. "fourier": spectra of all windows of a view's width; "fourier_whole": one spectrum of the

@@ -13,6 +13,7 @@ void UpDirection::Add(const std::vector<ImuSample>& samples) {
   for (const ImuSample& sample : samples) {
     const Eigen::Vector3d turn = dt * (imu_.X_CI.rotation * sample.angular_rate);
     const double angle = turn.norm();
+    heading_rad_ += turn.dot(up_C_);
     // A fixed direction turns the other way as seen from a frame that turns.
     if (angle > 0) up_C_ = Eigen::AngleAxisd(-angle, turn / angle) * up_C_;
     const Eigen::Vector3d support = imu_.X_CI.rotation * sample.specific_force;

@@ -19,11 +19,14 @@ class UpDirection {
   /// Samples in time order. Without an IMU nothing changes.
   void Add(const std::vector<ImuSample>& samples);
   const Eigen::Vector3d& up_C() const { return up_C_; }
+  /// How far the camera has turned about the vertical since the first sample, rad, left positive; drifts with the
+  /// gyroscope's bias.
+  double heading_rad() const { return heading_rad_; }
 
  private:
   ImuCalibration imu_;
   Eigen::Vector3d up_C_;
-  double time_s_;
+  double time_s_, heading_rad_ = 0;
 };
 
 }  // namespace gaitcam

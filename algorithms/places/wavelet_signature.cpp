@@ -86,11 +86,17 @@ struct Best {
   int place = 0;  ///< Of the view's left edge, in shifts from the panorama's.
 };
 
+/// Columns where a view may begin; round the seam.
+struct Columns {
+  int first = 0, count = 0;
+};
+
 /// One panorama and one view, by their bits.
 template <bool kDiagonals>
 struct Comparison {
   const uint64_t* ring;  ///< The panorama, the columns of which are repeated behind its end.
   int columns, bits_per_column;
+  Columns searched;
   const Probe& probe;
   const WaveletOptions& options;
 
@@ -111,7 +117,8 @@ template <bool kDiagonals>
 [[gnu::always_inline]] inline Best Slide(const Comparison<kDiagonals>& comparison) {
   Best best;
   uint64_t window[kMostWords];
-  for (int column = 0; column < comparison.columns; ++column) {
+  for (int k = 0; k < comparison.searched.count; ++k) {
+    const int column = (comparison.searched.first + k) % comparison.columns;
     comparison.Window(column, window);
     for (int shift = 0; shift < WaveletOptions::kShifts; ++shift) {
       const double dissimilarity = comparison.Dissimilarity(window, shift);
@@ -147,26 +154,27 @@ struct Fit {
 };
 
 template <bool kDiagonals>
-[[gnu::always_inline]] inline Fit FitWith(const uint64_t* ring, int columns, int bits, const Probe& probe,
-                                          const WaveletOptions& options) {
-  const Comparison<kDiagonals> comparison{ring, columns, bits, probe, options};
+[[gnu::always_inline]] inline Fit FitWith(const uint64_t* ring, int columns, int bits, Columns searched,
+                                          const Probe& probe, const WaveletOptions& options) {
+  const Comparison<kDiagonals> comparison{ring, columns, bits, searched, probe, options};
   const Best best = Slide(comparison);
   return {best, best.place + Refine(comparison, best, kRefineTolerance * GreatestDissimilarity(probe, options))};
 }
 
-using FitFunction = Fit (*)(const uint64_t*, int, int, const Probe&, const WaveletOptions&);
+using FitFunction = Fit (*)(const uint64_t*, int, int, Columns, const Probe&, const WaveletOptions&);
 
 template <bool kDiagonals>
-Fit FitPlain(const uint64_t* ring, int columns, int bits, const Probe& probe, const WaveletOptions& options) {
-  return FitWith<kDiagonals>(ring, columns, bits, probe, options);
+Fit FitPlain(const uint64_t* ring, int columns, int bits, Columns searched, const Probe& probe,
+             const WaveletOptions& options) {
+  return FitWith<kDiagonals>(ring, columns, bits, searched, probe, options);
 }
 
 #if defined(__x86_64__)
 /// The same where the processor counts bits by an instruction, as all since 2008 do.
 template <bool kDiagonals>
-[[gnu::target("popcnt")]] Fit FitPopcnt(const uint64_t* ring, int columns, int bits, const Probe& probe,
-                                        const WaveletOptions& options) {
-  return FitWith<kDiagonals>(ring, columns, bits, probe, options);
+[[gnu::target("popcnt")]] Fit FitPopcnt(const uint64_t* ring, int columns, int bits, Columns searched,
+                                        const Probe& probe, const WaveletOptions& options) {
+  return FitWith<kDiagonals>(ring, columns, bits, searched, probe, options);
 }
 #endif
 
@@ -272,7 +280,7 @@ WaveletEncoder::WaveletEncoder(int height_px, const WaveletOptions& options)
     throw BadInput("wavelet signature: an image " + std::to_string(height_px) + " px high is too small for level " +
                    std::to_string(options.level) + ", which needs " + std::to_string(square) + " px");
   }
-  const double sigma = square;  // 4.4.2: 2^level
+  const double sigma = options.prefilter * square;  // 4.4.2, see there
   const int across = options.shift_px(), down = square / kDownParts;
   const double sigma_across = RestSigma(sigma, across), sigma_down = RestSigma(sigma, down);
   across_ = FilteredMean(sigma_across, square / 2 / across, RadiusOf(sigma_across));
@@ -418,18 +426,25 @@ std::vector<WaveletMatch> WaveletMap::Query(const WaveletView& view) const {
   matches.reserve(places_);
   for (size_t place = 0; place < places_; ++place) {
     const uint64_t* words = ring.Load(&packed_[place * bytes_], bytes_);
-    matches.push_back(MatchOf(fit(words, columns_, 3 * rows_, probe, options_), probe, options_));
+    matches.push_back(MatchOf(fit(words, columns_, 3 * rows_, {0, columns_}, probe, options_), probe, options_));
   }
   return matches;
 }
 
-WaveletMatch WaveletMap::Query(const WaveletView& view, size_t place) const {
+WaveletMatch WaveletMap::Query(const WaveletView& view, size_t place, std::optional<WaveletWindow> window) const {
   CheckView(view);
   GAITCAM_ASSERT(place < places_);
+  Columns searched{0, columns_};
+  if (window) {
+    const double square = options_.square_px();
+    const int first = int(std::floor((window->left_px - window->tolerance_px) / square));
+    const int last = int(std::ceil((window->left_px + window->tolerance_px) / square));
+    if (last - first + 1 < columns_) searched = {((first % columns_) + columns_) % columns_, last - first + 1};
+  }
   const Probe probe = ProbeOf(view);
   Ring ring(size_t(columns_) * size_t(3 * rows_), probe.bits);
   const uint64_t* words = ring.Load(&packed_[place * bytes_], bytes_);
-  return MatchOf(FitFor(options_)(words, columns_, 3 * rows_, probe, options_), probe, options_);
+  return MatchOf(FitFor(options_)(words, columns_, 3 * rows_, searched, probe, options_), probe, options_);
 }
 
 }  // namespace gaitcam

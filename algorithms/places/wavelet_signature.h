@@ -1,8 +1,12 @@
 /// A place in 170 bytes: signs of an image's coarse Haar wavelet coefficients (thesis, chapter 4.4).
 ///
-/// The image is smoothed by a Gaussian of sigma = 2^level and decomposed by the 2-D Haar transform down to `level`; the
+/// The image is smoothed by a Gaussian and decomposed by the 2-D Haar transform down to `level`; the
 /// detail coefficients of that level, one horizontal, vertical and diagonal one for each square of 2^level pixels, are
 /// kept as one bit each: 1 for d >= 0 (4.4.3). A panorama of 720 x 160 px has 45 x 10 x 3 = 1350 bits.
+///
+/// The thesis's Gaussian has sigma = 2^level, a whole square. Half a square is the default here: neighbouring bits then
+/// say less of the same, and of 200 views in a soccer field with 117 references, 97 % instead of 86 % find the nearest
+/// one or a neighbour of it.
 ///
 /// Level `level` of the transform alone is wanted, so its squares' quadrants are summed directly; the filter is made
 /// for pixels that were averaged beforehand, by 2^level / 8 across and 2^level / 4 down, and is narrower by their
@@ -14,6 +18,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "algorithms/core/fields.h"
@@ -23,6 +28,7 @@ namespace gaitcam {
 struct WaveletOptions {
   using DescribedTag = void;
   int level = 4;
+  double prefilter = 0.5;  ///< Sigma of the Gaussian in squares of 2^level px; the thesis has 1.
   double weight_h = 0.25;  ///< Of horizontal edges in Eq. 4.4, ...
   double weight_v = 0.5;   ///< ... vertical ones, of which rooms have more, ...
   double weight_d = 0.25;  ///< ... and diagonal ones.
@@ -35,6 +41,7 @@ struct WaveletOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, WaveletOptions& o) {
   visit("level", o.level, Between(3, 6), "of the Haar transform");
+  visit("prefilter", o.prefilter, Between(0.2, 2.0), "sigma of the Gaussian before, in squares of 2^level px");
   visit("weight_h", o.weight_h, Between(0.0, 1.0), "of horizontal edges");
   visit("weight_v", o.weight_v, Between(0.0, 1.0), "of vertical edges");
   visit("weight_d", o.weight_d, Between(0.0, 1.0), "of diagonal edges");
@@ -113,6 +120,12 @@ struct WaveletMatch {
 /// where a quarter does. Finite where none does: half of a bit is taken to differ.
 double SimilarityOf(double disagreement, int bits);
 
+/// Where in a panorama a view may lie.
+struct WaveletWindow {
+  double left_px = 0;       ///< Column under the view's first one, ...
+  double tolerance_px = 0;  ///< ... give or take.
+};
+
 /// Signatures of panoramas, of one size, packed to whole bytes.
 class WaveletMap {
  public:
@@ -125,8 +138,8 @@ class WaveletMap {
   /// The view slides over each panorama, round its seam (4.4.4); one match for each, in the order of Add().
   /// @throws BadInput if the map is empty or its panoramas are narrower than the view.
   std::vector<WaveletMatch> Query(const WaveletView& view) const;
-  /// Of one place alone. @pre place < size().
-  WaveletMatch Query(const WaveletView& view, size_t place) const;
+  /// Of one place alone, and, where that is known, in a part of it alone. @pre place < size().
+  WaveletMatch Query(const WaveletView& view, size_t place, std::optional<WaveletWindow> window = {}) const;
 
  private:
   void CheckView(const WaveletView& view) const;

@@ -21,7 +21,8 @@ TopoSlam::TopoSlam(const Calibration& calibration, const TopoSlamOptions& option
       projection_(calibration.camera, StandingUp(calibration), layout_),
       encoder_(options.height_px, options.wavelet),
       map_(options.wavelet),
-      filter_(options.loop) {
+      filter_(options.loop),
+      knows_heading_(calibration.imu.rate_hz > 0) {
   CheckFields(options, "topo_slam.");
   // Says at once what every view would.
   encoder_.OfView(cv::Mat::zeros(layout_.height_px, projection_.width_px(), CV_8UC1));
@@ -52,7 +53,10 @@ void TopoSlam::Finish() {
 void TopoSlam::FollowScan(const Observation& observation) {
   candidate_.reset();
   tested_ns_ = -1;
-  if (wanted_ns_ < 0) wanted_ns_ = observation.stamp_ns;
+  if (wanted_ns_ < 0) {
+    wanted_ns_ = observation.stamp_ns;
+    asked_heading_rad_ = up_.heading_rad() + heading_offset_rad_;
+  }
   if (observation.scan) {
     if (!wants_scan_) return;  // the rest of a scan that has shown all
     if (!builder_) {
@@ -74,6 +78,8 @@ void TopoSlam::AddNode() {
   node.stamp_ns = scan_began_ns_;
   node.bytes = map_.bytes_per_place();
   node.panorama = panorama.image;
+  node_heading_rad_.push_back(asked_heading_rad_);
+  heading_is_old_ = true;
   graph_.nodes.push_back(node);
   panorama.image.release();
   stitches_.push_back(panorama);
@@ -111,36 +117,60 @@ double TopoSlam::Unrest(const Observation& observation) const {
 void TopoSlam::Collect(const Observation& observation) {
   const double unrest = Unrest(observation);
   if (candidate_ && candidate_->unrest < unrest) return;  // the later of equals
-  candidate_ = Candidate{observation.image.pixels.clone(), up_.up_C(), observation.stamp_ns, unrest};
+  candidate_ = Candidate{observation.image.pixels.clone(), up_.up_C(), observation.stamp_ns, unrest, up_.heading_rad()};
+}
+
+WaveletMatch TopoSlam::Compare(const WaveletView& view, int node, double heading_rad) const {
+  if (!knows_heading_ || options_.heading_window_deg >= 180) return map_.Query(view, size_t(node));
+  const double middle = layout_.ColumnOf(heading_rad - node_heading_rad_[size_t(node)]);
+  const double tolerance_rad = options_.heading_window_deg * std::numbers::pi / 180;
+  return map_.Query(view, size_t(node),
+                    WaveletWindow{middle - 0.5 * (view.width_px - 1), tolerance_rad * layout_.px_per_rad()});
+}
+
+double TopoSlam::BearingOf(const WaveletMatch& match) const {
+  const double middle = match.left_px + 0.5 * (projection_.width_px() - 1);
+  return std::remainder(layout_.AzimuthOf(middle), 2 * std::numbers::pi);
+}
+
+/// By what the last place shows. Away from where it was scanned bearings err, now to one side, now to the other.
+void TopoSlam::SetHeading(double bearing_rad, double turned_rad) {
+  constexpr double kGain = 0.2;
+  const double seen = node_heading_rad_[size_t(last_)] + bearing_rad;
+  const double error = std::remainder(seen - (turned_rad + heading_offset_rad_), 2 * std::numbers::pi);
+  heading_offset_rad_ += (heading_is_old_ ? 1 : kGain) * error;
+  heading_is_old_ = false;
 }
 
 void TopoSlam::Test(const Candidate& candidate, FrameEstimate& estimate) {
   const cv::Mat view = options_.level_views ? projection_.ProjectView(candidate.image, candidate.up_C)
                                             : projection_.ProjectView(candidate.image);
   const WaveletView signature = encoder_.OfView(view);
-  const WaveletMatch here = map_.Query(signature, size_t(last_));
+  const double heading = candidate.heading_rad + heading_offset_rad_;
+  std::vector<WaveletMatch> matches;
+  std::vector<double> similarity;
+  const WaveletMatch here = heading_is_old_ ? map_.Query(signature, size_t(last_)) : Compare(signature, last_, heading);
   const WaveletSignature& first = signature.shifts.front();
   estimate.features = first.columns() * first.bits_per_column();
   estimate.inliers = int(std::lround((1 - here.disagreement) * estimate.features));
   if (here.similarity >= options_.loop.threshold) {  // step 2 of 4.5: still at the last node
+    SetHeading(BearingOf(here), candidate.heading_rad);
     filter_.Reset();
     streak_ = 0;
     streak_best_ = -2;
     return;
   }
-  const std::vector<WaveletMatch> matches = map_.Query(signature);
-  std::vector<double> similarity;
-  for (const WaveletMatch& match : matches) similarity.push_back(match.similarity);
+  for (int node = 0; node < int(map_.size()); ++node) {
+    matches.push_back(Compare(signature, node, heading));
+    similarity.push_back(matches.back().similarity);
+  }
   const LoopFilter::Belief belief = filter_.Update(similarity, last_, graph_.links);
   PlaceTest test;
   test.stamp_ns = candidate.stamp_ns;
   test.likelihood = belief.likelihood;
   test.posterior = belief.posterior;
   test.matched = belief.best;
-  if (belief.best >= 0) {
-    const double middle = matches[size_t(belief.best)].left_px + 0.5 * (view.cols - 1);
-    test.bearing_rad = std::remainder(layout_.AzimuthOf(middle), 2 * std::numbers::pi);
-  }
+  if (belief.best >= 0) test.bearing_rad = BearingOf(matches[size_t(belief.best)]);
   test.view = view;
   graph_.tests.push_back(std::move(test));
   Decide(belief.best, candidate.stamp_ns);

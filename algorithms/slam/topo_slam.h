@@ -31,9 +31,11 @@ struct TopoSlamOptions {
   WaveletOptions wavelet;
   PanoramaOptions panorama;
   LoopFilterOptions loop;
-  double test_every_s = 0.5;     ///< Time between two tests.
-  std::string steady = "gyro";   ///< Which frame of that time is tested.
-  bool level_views = true;       ///< By gravity, as the IMU feels it; without one the standing camera's.
+  double test_every_s = 0.5;    ///< Time between two tests.
+  std::string steady = "gyro";  ///< Which frame of that time is tested.
+  bool level_views = true;      ///< By gravity, as the IMU feels it; without one the standing camera's.
+  double heading_window_deg =
+      45;                        ///< A view lies so near to where the gyroscope says; 180: anywhere, as in the thesis.
   int persist = 3;               ///< Tests in a row that must say the same.
   double scan_patience_s = 120;  ///< A scan that takes longer than this failed.
 };
@@ -48,6 +50,8 @@ void VisitFields(Visitor& visit, TopoSlamOptions& o) {
   visit("test_every_s", o.test_every_s, Between(0.0, 1000.0), "time between two tests");
   visit("steady", o.steady, OneOf({"gyro", "double_support", "last"}), "which frame of that time is tested");
   visit("level_views", o.level_views, Nested(), "views are laid onto the cylinder by gravity");
+  visit("heading_window_deg", o.heading_window_deg, Between(1.0, 180.0),
+        "a view lies so near to the gyroscope's heading");
   visit("persist", o.persist, Between(1, 1000), "tests in a row that must say the same");
   visit("scan_patience_s", o.scan_patience_s, Between(1.0, 1e5), "a scan that takes longer failed");
 }
@@ -80,6 +84,7 @@ class TopoSlam {
     Eigen::Vector3d up_C;
     int64_t stamp_ns = 0;
     double unrest = 0;
+    double heading_rad = 0;
   };
 
   void FollowScan(const Observation& observation);
@@ -87,6 +92,9 @@ class TopoSlam {
   void Collect(const Observation& observation);
   double Unrest(const Observation& observation) const;
   void Test(const Candidate& candidate, FrameEstimate& estimate);
+  WaveletMatch Compare(const WaveletView& view, int node, double heading_rad) const;
+  double BearingOf(const WaveletMatch& match) const;
+  void SetHeading(double bearing_rad, double turned_rad);
   void Decide(int best, int64_t stamp_ns);
 
   TopoSlamOptions options_;
@@ -99,16 +107,21 @@ class TopoSlam {
   PlaceGraph graph_;
   std::vector<Panorama> stitches_;
 
+  bool knows_heading_ = false;  ///< There is a gyroscope.
   bool wants_scan_ = true;
   int64_t wanted_ns_ = -1, scan_began_ns_ = -1;
   std::optional<PanoramaBuilder> builder_;
+  double asked_heading_rad_ = 0;
   bool gave_up_ = false;
 
   std::optional<Candidate> candidate_;
   int64_t tested_ns_ = -1;
-  int last_ = -1;         ///< Node visited last.
-  int streak_ = 0;        ///< Tests in a row that said ...
-  int streak_best_ = -2;  ///< ... this; -2 none.
+  std::vector<double> node_heading_rad_;  ///< Straight ahead in each panorama.
+  double heading_offset_rad_ = 0;         ///< Heading is the gyroscope's and this.
+  bool heading_is_old_ = true;            ///< A scan has passed since it was put right.
+  int last_ = -1;                         ///< Node visited last.
+  int streak_ = 0;                        ///< Tests in a row that said ...
+  int streak_best_ = -2;                  ///< ... this; -2 none.
 };
 
 }  // namespace gaitcam

@@ -45,13 +45,16 @@ struct Haar {
 
 TEST(WaveletSignature, IsTheSignsOfTheHaarTransformOfTheSmoothedPanorama) {
   int bits = 0, wrong = 0;
-  for (uint64_t seed = 1; seed <= 5; ++seed) {
+  for (uint64_t seed = 1; seed <= 6; ++seed) {
+    WaveletOptions options;
+    options.prefilter = seed % 2 ? 1 : 0.5;  // the thesis's, and ours
+    const double sigma = 16 * options.prefilter;
     const cv::Mat panorama = CylinderWorld(seed).Panorama(Layout());
-    const WaveletSignature signature = WaveletEncoder(160).OfPanorama(panorama);
+    const WaveletSignature signature = WaveletEncoder(160, options).OfPanorama(panorama);
     cv::Mat smooth, wide;
     panorama.convertTo(smooth, CV_64F);
     cv::hconcat(std::vector<cv::Mat>{smooth, smooth, smooth}, wide);
-    cv::GaussianBlur(wide, wide, {113, 113}, 16, 16, cv::BORDER_REPLICATE);
+    cv::GaussianBlur(wide, wide, {129, 129}, sigma, sigma, cv::BORDER_REPLICATE);
     const Haar haar = Haar::Of(wide.colRange(720, 1440), 4);
     for (int y = 0; y < 10; ++y) {
       for (int x = 0; x < 45; ++x) {
@@ -182,6 +185,22 @@ TEST(WaveletView, ShiftsMoveByTwoPixelsEach) {
                 later.shifts[0].Bit(WaveletSignature::kVertical, row, column));
     }
   }
+}
+
+TEST(WaveletMap, LooksOnlyWhereAViewMayLie) {
+  const PanoramaLayout layout = Layout();
+  const cv::Mat once = CylinderWorld(3).Panorama(layout), twice = cv::repeat(once.colRange(0, 352), 1, 2);
+  cv::Mat panorama = once.clone();
+  twice.copyTo(panorama.colRange(0, 704));  // everything is there twice, 352 px apart
+  const WaveletEncoder encoder(160);
+  WaveletMap map;
+  map.Add(encoder.OfPanorama(panorama));
+  const WaveletView view = encoder.OfView(panorama.colRange(100, 220));
+  EXPECT_NEAR(map.Query(view, 0, WaveletWindow{110, 30}).left_px, 100, 2);
+  EXPECT_NEAR(map.Query(view, 0, WaveletWindow{440, 30}).left_px, 452, 2);
+  EXPECT_NEAR(map.Query(view, 0, WaveletWindow{440 - 720, 30}).left_px, 452, 2);
+  EXPECT_GT(map.Query(view, 0, WaveletWindow{250, 30}).disagreement, 0.2);
+  EXPECT_LT(map.Query(view, 0, WaveletWindow{250, 1000}).disagreement, 0.1);
 }
 
 TEST(WaveletMap, SimilarityIsOneForACoinTossAndFiniteForTheSame) {

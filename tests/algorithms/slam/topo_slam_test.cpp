@@ -1,0 +1,156 @@
+// A robot in drawn rooms that look alike nowhere: it goes from one to the other at once, and looks around when asked
+// to.
+
+#include "algorithms/slam/topo_slam.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "algorithms/slam/system.h"
+#include "tests/algorithms/places/cylinder_world.h"
+
+namespace gaitcam {
+namespace {
+
+using testing::HasSubstr;
+constexpr double kDeg = std::numbers::pi / 180;
+
+Calibration Ers7() {
+  Calibration calibration;
+  calibration.camera = Ers7Camera();
+  calibration.frame_rate_hz = 10;
+  calibration.standing = StandingCamera{0.2, UpOf(4)};
+  return calibration;
+}
+
+/// Serves a system's requests; everything takes as many frames as it takes.
+class Walk {
+ public:
+  explicit Walk(System& system) : system_(system) {
+    for (uint64_t seed = 1; seed <= 4; ++seed) rooms_.emplace_back(seed);
+  }
+
+  /// Stands in a room, looking to and fro, for `frames`, not counting scans.
+  void Stay(size_t room, int frames, double yaw_deg = 20) {
+    for (int k = 0; k < frames; ++k) {
+      if (system_.Request() == BodyRequest::kScan) Scan(room);
+      Show(room, (yaw_deg + 3 * std::sin(k)) * kDeg, std::nullopt);
+    }
+  }
+  void Scan(size_t room, double reach_deg = 180) {
+    for (double pan = reach_deg; pan > -reach_deg; pan -= 12) Show(room, pan * kDeg, ScanState{pan * kDeg, 0});
+  }
+  /// Two sweeps of half a circle, and a turn on the spot that is no part of the scan.
+  void ScanByTurning(size_t room) {
+    for (const double turn : {0.0, 180.0}) {
+      for (double pan = 90; pan >= -90; pan -= 10) Show(room, (pan + turn) * kDeg, ScanState{pan * kDeg, turn * kDeg});
+      for (int k = 0; k < 5; ++k) Show(room, turn * kDeg, std::nullopt);
+    }
+  }
+  void Show(size_t room, double yaw, std::optional<ScanState> scan) {
+    Observation observation;
+    observation.stamp_ns = stamp_ns_ += 100'000'000;
+    observation.image = {stamp_ns_, rooms_[room].View(Ers7Camera(), UpOf(4), yaw)};
+    observation.scan = scan;
+    const FrameEstimate estimate = system_.Track(observation);
+    EXPECT_EQ(estimate.stamp_ns, stamp_ns_);
+    EXPECT_FALSE(estimate.pose);
+    EXPECT_EQ(estimate.status, TrackingStatus::kInitializing);
+  }
+
+ private:
+  System& system_;
+  std::vector<CylinderWorld> rooms_;
+  int64_t stamp_ns_ = 0;
+};
+
+std::unique_ptr<System> Make(const SystemSettings& settings = {}) {
+  return MakeSystem("topo_slam", SystemSetup{Ers7(), 1, settings});
+}
+
+TEST(TopoSlam, AddsANodeForEachRoomAndClosesTheLoopWhenItIsBack) {
+  const auto system = Make();
+  EXPECT_TRUE(system->Acts());
+  EXPECT_EQ(system->Request(), BodyRequest::kScan);  // its first frame is at a new place
+  Walk walk(*system);
+  for (const size_t room : {0, 1, 2, 0, 3}) walk.Stay(room, 40);
+  system->Finish();
+  EXPECT_EQ(system->Failure(), "");
+  const PlaceGraph graph = *system->Places();
+  ASSERT_EQ(graph.nodes.size(), 4u);
+  for (const PlaceNode& node : graph.nodes) {
+    EXPECT_EQ(node.bytes, 169u);
+    EXPECT_EQ(node.panorama.size(), cv::Size(720, 160));
+  }
+  ASSERT_EQ(graph.links.size(), 4u);
+  const int expected[4][3] = {{0, 1, 0}, {1, 2, 0}, {2, 0, 1}, {0, 3, 0}};
+  for (size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(graph.links[k].from, expected[k][0]);
+    EXPECT_EQ(graph.links[k].to, expected[k][1]);
+    EXPECT_EQ(graph.links[k].loop, expected[k][2] == 1);
+  }
+  ASSERT_FALSE(graph.tests.empty());
+  bool loop_seen = false;
+  for (const PlaceTest& test : graph.tests) {
+    EXPECT_EQ(test.likelihood.size(), test.posterior.size());
+    EXPECT_NEAR(std::accumulate(test.posterior.begin(), test.posterior.end(), 0.0), 1, 1e-9);
+    if (test.matched != 0) continue;
+    loop_seen = true;
+    // The room was scanned from straight ahead; the view looks 20 degrees to the left, give or take its 3.
+    EXPECT_NEAR(test.bearing_rad, 20 * kDeg, 5 * kDeg);
+  }
+  EXPECT_TRUE(loop_seen);
+}
+
+TEST(TopoSlam, DoesNotMindATurnBetweenTwoHalfScans) {
+  const auto system = Make();
+  Walk walk(*system);
+  walk.ScanByTurning(0);
+  EXPECT_EQ(system->Request(), BodyRequest::kGoOn);
+  EXPECT_EQ(system->Places()->nodes.size(), 1u);
+}
+
+TEST(TopoSlam, IsNotMisledByASingleOddView) {
+  const auto system = Make();
+  Walk walk(*system);
+  walk.Stay(0, 30);
+  walk.Stay(1, 6);  // one test or two, of the three in a row that it takes
+  walk.Stay(0, 30);
+  EXPECT_EQ(system->Places()->nodes.size(), 1u);
+  EXPECT_TRUE(system->Places()->links.empty());
+}
+
+TEST(TopoSlam, SaysThatItNeedsABodyThatScans) {
+  const auto system = Make({{"scan_patience_s", 2.0}});
+  Walk walk(*system);
+  for (int k = 0; k < 30; ++k) walk.Show(0, 0, std::nullopt);
+  system->Finish();
+  EXPECT_THAT(system->Failure(), HasSubstr("asked for a scan and none came"));
+  EXPECT_TRUE(system->Places()->nodes.empty());
+}
+
+TEST(TopoSlam, SaysHowMuchOfAScanIsMissing) {
+  const auto system = Make();
+  Walk walk(*system);
+  walk.Scan(0, 96);
+  walk.Show(0, 0, std::nullopt);
+  system->Finish();
+  EXPECT_THAT(system->Failure(), HasSubstr("of 360 deg unseen"));
+  EXPECT_EQ(system->Failure().find('\n'), std::string::npos);
+}
+
+TEST(TopoSlam, RefusesWhatItCannotWorkWith) {
+  EXPECT_THROW(Make({{"height_px", 10}}), BadInput);  // too small for level 4
+  EXPECT_THROW(Make({{"width_px", 60}}), BadInput);   // views are too narrow
+  EXPECT_THROW(Make({{"loop.threshold", 0.2}}), BadOption);
+  Calibration calibration = Ers7();
+  calibration.standing.reset();
+  EXPECT_THROW(MakeSystem("topo_slam", SystemSetup{calibration, 1, {}}), BadInput);
+}
+
+}  // namespace
+}  // namespace gaitcam
