@@ -18,7 +18,7 @@ namespace gaitcam {
 struct HeadScanOptions {
   using DescribedTag = void;
   double speed_rad_s = 0.8;     ///< Of a sweep, at most.
-  double blur_px = 1.5;         ///< Sweeps go slower if the image would move further than this during one exposure.
+  double blur_px = 1.3;         ///< Sweeps go slower if the image's middle would move further during one exposure.
   double approach_rad_s = 1.6;  ///< Speed of the head to where a sweep begins, and back at the end.
   double settle_s = 0.6;        ///< Standing still before the head moves, and the head before each sweep.
 };
