@@ -105,6 +105,28 @@ double StandingHeight(const Robot& robot) {
   return top - (poses[robot.legs[0].foot_link] * robot.legs[0].sole_center).z();
 }
 
+TEST(Robot, ThePanningCameraChangesNothingOfKhr1hvButItsHead) {
+  const Robot khr = ReadRobot("khr1hv", kModels), pan = ReadRobot("khr1hv_pan", kModels);
+  EXPECT_NEAR(pan.TotalMass(), khr.TotalMass(), 1e-12);
+  const std::vector<Pose> X_RL = LinkPoses(khr, std::vector<double>(khr.joints.size(), 0.0));
+  const std::vector<Pose> X_RP = LinkPoses(pan, std::vector<double>(pan.joints.size(), 0.0));
+  for (const RobotLink& link : khr.links) {
+    const int same = pan.FindLink(link.name);
+    ASSERT_GE(same, 0) << link.name;
+    const RobotLink& twin = pan.links[size_t(same)];
+    EXPECT_LT((X_RP[size_t(same)].translation - X_RL[size_t(khr.FindLink(link.name))].translation).norm(), 1e-12);
+    if (link.name == "head") continue;
+    EXPECT_EQ(twin.mass_kg, link.mass_kg) << link.name;
+    EXPECT_EQ(twin.inertia, link.inertia) << link.name;
+    EXPECT_EQ(twin.collisions.size(), link.collisions.size()) << link.name;
+  }
+  EXPECT_EQ(khr.camera_pan, -1);
+  // Neck and camera pan about the same vertical, the camera's tilt comes after both.
+  EXPECT_EQ(pan.joints[size_t(pan.camera_pan)].parent_link, pan.joints[size_t(pan.neck_pan)].child_link);
+  EXPECT_EQ(pan.joints[size_t(pan.neck_tilt)].parent_link, pan.joints[size_t(pan.camera_pan)].child_link);
+  EXPECT_EQ(pan.servos[size_t(pan.camera_pan)].kp, pan.servos[size_t(pan.neck_pan)].kp);
+}
+
 TEST(Robot, DimensionsFollowTheRealMachines) {
   const Robot khr = ReadRobot("khr1hv", kModels), robovie = ReadRobot("robovie_m", kModels);
   const Robot nimbro = ReadRobot("nimbro", kModels), base = ReadRobot("omni_base", kModels);
