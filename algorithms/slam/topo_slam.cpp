@@ -36,6 +36,7 @@ FrameEstimate TopoSlam::Track(const Observation& observation) {
     FollowScan(observation);
     return estimate;
   }
+  if (Rests(observation)) return estimate;
   Collect(observation);
   if (tested_ns_ < 0) tested_ns_ = observation.stamp_ns;
   if (double(observation.stamp_ns - tested_ns_) * 1e-9 >= options_.test_every_s) {
@@ -58,13 +59,17 @@ void TopoSlam::FollowScan(const Observation& observation) {
     asked_heading_rad_ = up_.heading_rad() + heading_offset_rad_;
   }
   if (observation.scan) {
-    if (!wants_scan_) return;  // the rest of a scan that has shown all
+    if (!wants_scan_) {  // the rest of a scan that has shown all
+      scanned_ns_ = observation.stamp_ns;
+      return;
+    }
     if (!builder_) {
       builder_.emplace(projection_, layout_, options_.panorama);
       scan_began_ns_ = observation.stamp_ns;
     }
     builder_->Add(observation.image.pixels, observation.scan->pan_rad + observation.scan->body_turn_rad);
   } else if (builder_ && builder_->missing_deg() == 0) {
+    scanned_ns_ = observation.stamp_ns;
     AddNode();  // between two sweeps, while the body turns, half of it is missing still
   } else if (double(observation.stamp_ns - wanted_ns_) * 1e-9 > options_.scan_patience_s) {
     gave_up_ = true;
@@ -92,6 +97,17 @@ void TopoSlam::AddNode() {
   wanted_ns_ = -1;
   streak_ = 0;
   streak_best_ = -2;
+}
+
+/// A scan ends with the head looking anywhere; it turns back before the robot walks on.
+bool TopoSlam::Rests(const Observation& observation) {
+  if (scanned_ns_ < 0) return false;
+  if (double(observation.stamp_ns - scanned_ns_) * 1e-9 < options_.rest_after_scan_s) return true;
+  const auto on_one_leg = std::count_if(observation.joints.begin(), observation.joints.end(),
+                                        [](const JointSample& s) { return s.left_contact != s.right_contact; });
+  if (!observation.joints.empty() && 2 * size_t(on_one_leg) < observation.joints.size()) return true;
+  scanned_ns_ = -1;
+  return false;
 }
 
 double TopoSlam::Unrest(const Observation& observation) const {

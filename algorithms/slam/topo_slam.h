@@ -35,8 +35,10 @@ struct TopoSlamOptions {
   std::string steady = "gyro";  ///< Which frame of that time is tested.
   bool level_views = true;      ///< By gravity, as the IMU feels it; without one the standing camera's.
   double heading_window_deg =
-      45;                        ///< A view lies so near to where the gyroscope says; 180: anywhere, as in the thesis.
-  int persist = 3;               ///< Tests in a row that must say the same.
+      45;           ///< A view lies so near to where the gyroscope says; 180: anywhere, as in the thesis.
+  int persist = 3;  ///< Tests in a row that must say the same.
+  double rest_after_scan_s =
+      2;  ///< The head looks ahead again before tests go on: so long, and until a foot is lifted.
   double scan_patience_s = 120;  ///< A scan that takes longer than this failed.
 };
 
@@ -53,6 +55,7 @@ void VisitFields(Visitor& visit, TopoSlamOptions& o) {
   visit("heading_window_deg", o.heading_window_deg, Between(1.0, 180.0),
         "a view lies so near to the gyroscope's heading");
   visit("persist", o.persist, Between(1, 1000), "tests in a row that must say the same");
+  visit("rest_after_scan_s", o.rest_after_scan_s, Between(0.0, 60.0), "after a scan, until the head looks ahead again");
   visit("scan_patience_s", o.scan_patience_s, Between(1.0, 1e5), "a scan that takes longer failed");
 }
 
@@ -89,6 +92,7 @@ class TopoSlam {
 
   void FollowScan(const Observation& observation);
   void AddNode();
+  bool Rests(const Observation& observation);
   void Collect(const Observation& observation);
   double Unrest(const Observation& observation) const;
   void Test(const Candidate& candidate, FrameEstimate& estimate);
@@ -112,6 +116,7 @@ class TopoSlam {
   int64_t wanted_ns_ = -1, scan_began_ns_ = -1;
   std::optional<PanoramaBuilder> builder_;
   double asked_heading_rad_ = 0;
+  int64_t scanned_ns_ = -1;  ///< When the last scan was over; -1 once the robot has walked on.
   bool gave_up_ = false;
 
   std::optional<Candidate> candidate_;
