@@ -43,6 +43,7 @@ struct PlaceLight {
   bool directional = false;
   double brightness = 0.5;  ///< Diffuse, 0..1.
   bool casts_shadow = false;
+  Eigen::Vector3d rgb{1, 1, 1};  ///< Its colour: factors on the brightness.
 };
 
 struct Place {
@@ -56,10 +57,11 @@ struct Place {
   std::vector<PlaceTexture> textures;
   std::vector<PlaceBox> boxes;  ///< Walls, posters, furniture, table tops, lines, goals.
   std::vector<PlaceLight> lights;
-  std::vector<PersonOptions> people;                 ///< Who walks or stands there; see AddPeople.
-  int cloth_texture = -1;                            ///< What they wear; its repeat spans `cloth_size_m`.
+  std::vector<PersonOptions> people;  ///< Who walks or stands there; see AddPeople.
+  int cloth_texture = -1;             ///< What they wear; its repeat spans `cloth_size_m`.
   Eigen::Vector2d cloth_size_m{1, 1};
   double ambient = 0.4;                              ///< 0..1
+  Eigen::Vector3d ambient_rgb{1, 1, 1};              ///< Its colour: factors on `ambient`.
   Eigen::Vector3d background_rgb{0.55, 0.65, 0.75};  ///< What a camera sees beyond everything.
   Eigen::Vector3d start{0, 0, 0};  ///< Where robots start unless the scenario says otherwise: x, y, yaw.
 };

@@ -242,6 +242,11 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
     scenario.system_seed.reset();
     scenario.handicap = {};
     scenario.score = {};
+    if (scenario.localisation) {
+      scenario.localisation->methods.clear();
+      scenario.localisation->wavelet = {};
+      scenario.localisation->heat_maps = 0;
+    }
   } else if (scenario.system.external) {
     std::string& program = scenario.system.external->command.front();
     program = fs::path(program).filename().string();

@@ -14,6 +14,7 @@
 #include "models/robot.h"
 #include "models/yaml_fields.h"
 #include "results/score.h"
+#include "scenarios/localisation_options.h"
 #include "sim/camera_rig.h"
 #include "sim/head_scan.h"
 #include "sim/omni_drive.h"
@@ -109,8 +110,8 @@ struct Scenario {
 
   std::string name;  ///< Defaults to the file's name.
   std::string description;
-  std::string robot = "khr1hv";  ///< Shipped name, or path of a robot YAML.
-  std::string place = "lab";     ///< Shipped name, or path of a place YAML.
+  std::string robot = "khr1hv";       ///< Shipped name, or path of a robot YAML.
+  std::string place = "lab";          ///< Shipped name, or path of a place YAML.
   std::vector<PersonOptions> people;  ///< Besides those of the place.
   uint64_t seed = 1;
   double duration_s = 20;  ///< Ends here, or when the path ends, whichever is first; 0: when the path ends.
@@ -121,7 +122,8 @@ struct Scenario {
   OmniDriveOptions drive;  ///< Wheeled base only.
   CameraOptions camera;
   SensorOptions sensors;
-  std::optional<HeadScanOptions> scan;  ///< How the robot looks all around when its system asks for it.
+  std::optional<HeadScanOptions> scan;              ///< How the robot looks all around when its system asks for it.
+  std::optional<LocalisationOptions> localisation;  ///< Present: `run` recognises places instead of walking.
   SystemChoice system;
   std::optional<uint64_t> system_seed;  ///< Randomness of the SLAM system alone; absent: as `seed`.
   HandicapOptions handicap;
@@ -146,6 +148,7 @@ void VisitFields(Visitor& visit, Scenario& o) {
   visit("camera", o.camera, Nested(), "the head camera");
   visit("sensors", o.sensors, Nested(), "IMU, encoders");
   visit("scan", o.scan, Nested(), "how the robot looks all around when its system asks for it");
+  visit("localisation", o.localisation, Nested(), "`run` recognises places on a grid instead of walking");
   visit("system", o.system, Nested(), "SLAM system: a name, or {name: ..., setting: ...}");
   visit("system_seed", o.system_seed, Nested(), "randomness of the SLAM system alone; absent: as seed");
   visit("handicap", o.handicap, Nested(), "makes the system worse on purpose, to prove a gate");

@@ -132,11 +132,12 @@ class MjcfWriter {
   std::string Visual() const {
     const double extent = 0.5 * (place_.floor_max - place_.floor_min).norm();
     return fmt::format(
-        "<visual><headlight ambient='{0} {0} {0}' diffuse='0 0 0' specular='0 0 0'/>"
-        "<map znear='0.01' zfar='60' shadowclip='{1}' shadowscale='0.9'/>"
+        "<visual><headlight ambient='{} {} {}' diffuse='0 0 0' specular='0 0 0'/>"
+        "<map znear='0.01' zfar='60' shadowclip='{}' shadowscale='0.9'/>"
         "<global offwidth='1920' offheight='1440'/><quality shadowsize='2048' offsamples='4'/></visual>\n"
         "<statistic extent='1' center='0 0 0.2'/>\n",
-        place_.ambient, std::clamp(extent, 1.0, 12.0));
+        place_.ambient * place_.ambient_rgb.x(), place_.ambient * place_.ambient_rgb.y(),
+        place_.ambient * place_.ambient_rgb.z(), std::clamp(extent, 1.0, 12.0));
   }
 
   void AddFile(const std::string& name, std::vector<unsigned char> bytes) {
@@ -264,8 +265,8 @@ class MjcfWriter {
     bodies_ += fmt::format(
         "<light pos='{}' dir='{}' directional='{}' castshadow='{}' diffuse='{} {} {}' "
         "specular='.1 .1 .1' ambient='0 0 0' cutoff='85' exponent='1'/>\n",
-        Text(light.position), Text(light.direction), light.directional, light.casts_shadow, light.brightness,
-        light.brightness, light.brightness);
+        Text(light.position), Text(light.direction), light.directional, light.casts_shadow,
+        light.brightness * light.rgb.x(), light.brightness * light.rgb.y(), light.brightness * light.rgb.z());
   }
 
   void WriteBody(int link_index) {

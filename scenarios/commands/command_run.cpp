@@ -6,6 +6,7 @@
 #include "algorithms/core/errors.h"
 #include "scenarios/commands/commands.h"
 #include "scenarios/runs/interrupt.h"
+#include "scenarios/runs/localisation.h"
 #include "scenarios/runs/runner.h"
 
 namespace gaitcam {
@@ -18,7 +19,7 @@ std::string ReadText(const std::filesystem::path& file) {
 }
 
 void PrintOutcome(const RunOutcome& outcome) {
-  if (outcome.scores) fmt::print("{}", ScoresToTable(*outcome.scores));
+  if (outcome.scores) fmt::print("{}", outcome.table.empty() ? ScoresToTable(*outcome.scores) : outcome.table);
   if (outcome.status == "fell") {
     fmt::print("\nThe robot FELL after {:.2f} s; the scores cover what was filmed until then.\n", outcome.end_time_s);
   } else if (outcome.status == "interrupted") {
@@ -36,11 +37,13 @@ int RunCommand(const RunArguments& arguments, const CommonOptions& common) {
   RunOptions options;
   options.out = arguments.out;
   if (options.out.empty()) {
-    options.out = fmt::format("runs/{}-{}-seed{}", scenario.name, scenario.system.name, scenario.seed);
+    const std::string what = scenario.localisation ? "places" : scenario.system.name;
+    options.out = fmt::format("runs/{}-{}-seed{}", scenario.name, what, scenario.seed);
   }
   options.quiet = common.quiet;
   options.interrupted = [&guard] { return guard.Interrupted(); };
-  const RunOutcome outcome = RunScenario(resolved, options);
+  const RunOutcome outcome =
+      scenario.localisation ? RunLocalisation(resolved, options) : RunScenario(resolved, options);
   const bool interrupted = outcome.status == "interrupted";
   if (!outcome.scores) {
     const std::string line =

@@ -26,6 +26,7 @@ struct RunOutcome {
   double end_time_s = 0;
   std::optional<Scores> scores;  ///< None when too little was covered to score.
   std::string no_scores_reason;
+  std::string table = {};  ///< For a terminal, where that is not the list of all scores.
 };
 
 /// Runs a scenario into a folder: estimate.txt, truth.txt (TUM format), frames.csv, scores.json, scenario.yaml

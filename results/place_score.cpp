@@ -1,0 +1,118 @@
+#include "results/place_score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "algorithms/core/errors.h"
+#include "results/statistics.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kPeakLevel = 0.9;
+constexpr int kFieldCells = 10;  ///< From one reference to the next; finer changes no area by a hundredth.
+
+/// Wilson's score interval of a ratio, at 95 %.
+std::pair<double, double> WilsonInterval(double ratio, double n) {
+  const double z = 1.959964, zz = z * z;
+  const double middle = (ratio + zz / (2 * n)) / (1 + zz / n);
+  const double half = z / (1 + zz / n) * std::sqrt(ratio * (1 - ratio) / n + zz / (4 * n * n));
+  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
+}
+
+}  // namespace
+
+Eigen::Vector2d PlaceGrid::At(size_t index) const {
+  GAITCAM_ASSERT(index < size());
+  const Eigen::Vector2d cell(double(index % size_t(columns)), double(index / size_t(columns)));
+  return first_m + cell.cwiseProduct(step_m);
+}
+
+size_t PlaceGrid::NearestTo(const Eigen::Vector2d& point_m) const {
+  const Eigen::Vector2d cell = (point_m - first_m).cwiseQuotient(step_m);
+  const int column = std::clamp(int(std::lround(cell.x())), 0, columns - 1);
+  const int row = std::clamp(int(std::lround(cell.y())), 0, rows - 1);
+  return size_t(row) * size_t(columns) + size_t(column);
+}
+
+bool PlaceGrid::AreNeighbours(size_t a, size_t b) const {
+  const int across = int(a % size_t(columns)) - int(b % size_t(columns));
+  const int along = int(a / size_t(columns)) - int(b / size_t(columns));
+  return std::abs(across) <= 1 && std::abs(along) <= 1;
+}
+
+cv::Mat SimilarityField(const PlaceGrid& grid, const std::vector<double>& similarity, int cells) {
+  GAITCAM_ASSERT(similarity.size() == grid.size() && cells >= 1);
+  cv::Mat field((grid.rows - 1) * cells + 1, (grid.columns - 1) * cells + 1, CV_64FC1);
+  for (int v = 0; v < field.rows; ++v) {
+    const int up = field.rows - 1 - v, row = std::min(up / cells, std::max(0, grid.rows - 2));
+    const double b = double(up) / cells - row;
+    for (int u = 0; u < field.cols; ++u) {
+      const int column = std::min(u / cells, std::max(0, grid.columns - 2));
+      const double a = double(u) / cells - column;
+      const auto at = [&](int c, int r) {
+        return similarity[size_t(std::min(r, grid.rows - 1) * grid.columns + std::min(c, grid.columns - 1))];
+      };
+      field.at<double>(v, u) = (1 - b) * ((1 - a) * at(column, row) + a * at(column + 1, row)) +
+                               b * ((1 - a) * at(column, row + 1) + a * at(column + 1, row + 1));
+    }
+  }
+  return field;
+}
+
+FieldPeak PeakAbove(const cv::Mat& field, double level) {
+  const cv::Mat above = field >= level;
+  cv::Mat labels;
+  const int regions = cv::connectedComponents(above, labels, 8) - 1;
+  return {double(cv::countNonZero(above)) / double(above.total()), regions};
+}
+
+PlaceScore ScorePlace(const PlaceGrid& grid, const PlaceAnswer& answer, const Eigen::Vector2d& position_m,
+                      double heading_rad, const std::vector<double>& reference_heading_rad) {
+  for (const std::vector<double>* values : {&answer.similarity, &answer.bearing_rad, &reference_heading_rad}) {
+    if (values->size() != grid.size()) {
+      throw BadInput("places: " + std::to_string(values->size()) + " values for " + std::to_string(grid.size()) +
+                     " references; there must be one for each");
+    }
+  }
+  PlaceScore score;
+  score.nearest = grid.NearestTo(position_m);
+  score.best = size_t(std::max_element(answer.similarity.begin(), answer.similarity.end()) - answer.similarity.begin());
+  score.found = grid.AreNeighbours(score.nearest, score.best);
+  score.similarity = answer.similarity[score.best];
+  score.position_error_m = (grid.At(score.best) - position_m).norm();
+  const double error = reference_heading_rad[score.best] + answer.bearing_rad[score.best] - heading_rad;
+  score.bearing_error_deg = std::remainder(error, 2 * kPi) * 180 / kPi;
+  const cv::Mat field = SimilarityField(grid, answer.similarity, kFieldCells);
+  double low = 0, high = 0;
+  cv::minMaxLoc(field, &low, &high);
+  score.of_maximum = PeakAbove(field, kPeakLevel * high);
+  score.of_range = PeakAbove(field, low + kPeakLevel * (high - low));
+  return score;
+}
+
+PlaceSummary Summarise(const std::string& method, const std::string& condition, const std::vector<PlaceScore>& scores) {
+  GAITCAM_ASSERT(!scores.empty());
+  PlaceSummary summary{method, condition, int(scores.size())};
+  std::vector<double> positions, bearings;
+  const double share = 1 / double(scores.size());
+  for (const PlaceScore& s : scores) {
+    positions.push_back(s.position_error_m);
+    bearings.push_back(std::abs(s.bearing_error_deg));
+    summary.found_ratio += share * s.found;
+    summary.peak_area_ratio += share * s.of_maximum.area_ratio;
+    summary.peak_area_range_ratio += share * s.of_range.area_ratio;
+    summary.modes += share * s.of_range.modes;
+    summary.one_mode_ratio += share * (s.of_range.modes == 1);
+  }
+  std::tie(summary.found_low, summary.found_high) = WilsonInterval(summary.found_ratio, double(scores.size()));
+  summary.position_error_median_m = MedianOf(positions);
+  summary.bearing_error_median_deg = MedianOf(bearings);
+  summary.bearing_error_p90_deg = QuantileOf(bearings, 0.9);
+  return summary;
+}
+
+}  // namespace gaitcam
