@@ -13,6 +13,7 @@
 #include "algorithms/core/errors.h"
 #include "results/html_page.h"
 #include "results/metrics.h"
+#include "results/report_graph.h"
 #include "results/report_map.h"
 #include "results/report_page.h"
 #include "results/statistics.h"
@@ -84,6 +85,8 @@ Json PathJson(const Trajectory& trajectory) {
   return {{"x", x}, {"y", y}, {"z", z}};
 }
 
+bool HasPoses(const ReportInput& input) { return input.scores && input.scores->HasPoses(); }
+
 Json PathsJson(const ReportInput& input) {
   Eigen::Array3d low = Eigen::Array3d::Constant(1e300), high = -low;
   for (const StampedPose& p : input.truth) {
@@ -92,7 +95,7 @@ Json PathsJson(const ReportInput& input) {
   }
   Json json = {{"truth", PathJson(input.truth)}};
   json["side_axis"] = high.y() - low.y() > high.x() - low.x() ? "y" : "x";  // the side from which most is seen
-  if (input.scores) {
+  if (HasPoses(input)) {
     json["sim3"] = PathJson(input.scores->aligned_sim3);
     json["se3"] = PathJson(input.scores->aligned_se3);
   }
@@ -200,7 +203,7 @@ Json ChartData(const ReportInput& input) {
   json["t_min"] = 0;
   json["t_max"] = Rounded(clock.Seconds(clock.end_ns));
   json["path"] = PathsJson(input);
-  if (input.scores) {
+  if (HasPoses(input)) {
     json["error"] = ErrorsJson(*input.scores, clock);
     json["heading"] = HeadingJson(*input.scores, clock);
   }
@@ -244,8 +247,10 @@ std::string Banners(const ReportInput& input) {
   }
   if (!input.scores) {
     html += Banner("bad", "There are no scores.", input.no_scores_reason);
-  } else if (const double coverage = input.scores->Value("coverage_ratio"); coverage < input.min_good_coverage_ratio) {
-    html += Banner("bad", fmt::format("Low coverage: only {:.0f} % of the frames have a pose.", 100 * coverage),
+  } else if (HasPoses(input) && input.scores->Value("coverage_ratio") < input.min_good_coverage_ratio) {
+    html += Banner("bad",
+                   fmt::format("Low coverage: only {:.0f} % of the frames have a pose.",
+                               100 * input.scores->Value("coverage_ratio")),
                    "The errors below say nothing of the rest.");
   }
   if (input.software_renderer) {
@@ -267,7 +272,7 @@ double MedianBlur(const std::vector<ReportFrame>& frames) {
 
 std::string Cards(const ReportInput& input) {
   std::string html = "<dl class=\"cards\">\n";
-  if (input.scores) {
+  if (HasPoses(input)) {
     const Scores& s = *input.scores;
     html += Card(
         "Position error, Sim(3)", s.Value("ate_sim3_rmse_m"), "m",
@@ -285,6 +290,7 @@ std::string Cards(const ReportInput& input) {
                  std::isfinite(gain) ? "estimated over true total turn; 1 is right" : "the robot hardly turned");
   }
   if (input.map && !input.map->empty()) html += internal::MapCards(*input.map);
+  if (input.places) html += internal::PlaceCards(*input.places);
   if (!input.frames.empty()) {
     html += Card("Motion blur", MedianBlur(input.frames), "px", "median over frames of the median blur extent");
   }
@@ -319,7 +325,7 @@ std::string Paths(const ReportInput& input) {
   if (input.truth.empty()) return {};
   std::vector<KeyEntry> key = {{"truth", "truth (circle: start, diamond: end)"}};
   std::string heading;
-  if (input.scores) {
+  if (HasPoses(input)) {
     key.push_back({"sim3", "estimate after Sim(3) alignment", "", "sim3"});
     key.push_back({"se3", "after SE(3) alignment", "dashed", "se3"});
     heading = Panel("heading", "Turned about the vertical", {{"truth", "truth"}, {"sim3", "estimate"}}, 165);
@@ -341,6 +347,10 @@ std::string Map(const ReportInput& input) {
                               internal::FloorPath(input.scores->aligned_se3, X_WW));
 }
 
+std::string Places(const ReportInput& input) {
+  return input.places ? internal::PlaceSection(*input.places, *input.graph) : std::string();
+}
+
 std::string OverTime(const ReportInput& input) {
   std::string html = "<h2>Over time</h2>\n";
   std::vector<KeyEntry> shades;
@@ -357,7 +367,7 @@ std::string OverTime(const ReportInput& input) {
     key.insert(key.end(), shades.begin(), shades.end());
     return key;
   };
-  if (input.scores) {
+  if (HasPoses(input)) {
     html += Panel("error", "Position error",
                   with_shades({{"sim3", "after Sim(3) alignment", "", "sim3"},
                                {"se3", "after SE(3) alignment", "dashed", "se3"}}),
@@ -406,6 +416,7 @@ std::string GroupOf(const std::string& name) {
   if (starts("rpe_")) return "Relative error";
   if (starts("drift") || starts("end_drift")) return "Drift";
   if (starts("map_")) return "Map";
+  if (starts("place_") || starts("loop")) return "Places and loops";
   if (starts("scale") || starts("turn") || starts("rotation")) return "Scale and turning";
   if (starts("track_ms") || starts("peak_memory")) return "Time and memory: differ from run to run";
   return "Coverage";
@@ -453,11 +464,12 @@ std::string Provenance(const ReportInput& input) {
 std::string ReportHtml(const ReportInput& input, const ReportOptions& options) {
   internal::HtmlPage page;
   page.title = input.title;
-  page.body = Header(input) + Banners(input) + Cards(input) + Film(input) + Paths(input) + Map(input) +
+  page.body = Header(input) + Banners(input) + Cards(input) + Film(input) + Paths(input) + Map(input) + Places(input) +
               OverTime(input) + Strip(input) + ScoreTable(input) + Provenance(input);
   page.data = ChartData(input).dump();
   const bool has_map = input.map && !input.map->empty();
-  const std::string style = std::string(internal::ReportStyle()) + std::string(has_map ? internal::MapStyle() : "");
+  const std::string style = std::string(internal::ReportStyle()) + std::string(has_map ? internal::MapStyle() : "") +
+                            std::string(input.places ? internal::PlaceStyle() : "");
   page.style = style;
   page.script = internal::ReportScript();
   return internal::PageHtml(page, options.chart_library);

@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "algorithms/core/estimate.h"
+#include "algorithms/core/place_graph.h"
 #include "algorithms/core/trajectory.h"
 #include "results/floor_score.h"
+#include "results/place_graph_score.h"
 #include "results/score.h"
 
 namespace gaitcam {
@@ -53,10 +55,12 @@ struct ReportInput {
 
   const Scores* scores = nullptr;  ///< Null if there was too little to score; then `no_scores_reason` says why.
   std::string no_scores_reason;
-  const FloorComparison* map = nullptr;  ///< Of a system that maps the floor; else null.
-  Trajectory truth;                      ///< Poses X_WC of the camera.
-  std::vector<ReportFrame> frames;       ///< One per frame, in order.
-  std::vector<ReportTwin> twins;         ///< About 8 of them.
+  const FloorComparison* map = nullptr;          ///< Of a system that maps the floor; else null.
+  const PlaceGraph* graph = nullptr;             ///< Of a system that makes a topological map; else null ...
+  const PlaceGraphComparison* places = nullptr;  ///< ... as is what it is worth.
+  Trajectory truth;                              ///< Poses X_WC of the camera.
+  std::vector<ReportFrame> frames;               ///< One per frame, in order.
+  std::vector<ReportTwin> twins;                 ///< About 8 of them.
 
   std::string video_file;         ///< Relative to the page, such as "walk.mp4"; "" if there is none.
   cv::Mat video_poster;           ///< Shown until the film plays; may be empty.

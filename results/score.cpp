@@ -321,6 +321,15 @@ Scores ScoreEstimate(const Estimate& estimate, const Trajectory& truth, const st
   return s;
 }
 
+Scores ScoreWithoutPoses(const Estimate& estimate) {
+  Scores s;
+  Table(s.scores).Add("frames", double(estimate.frames.size()), "", "frames that the system was given",
+                      Better::kNeither);
+  Table timing(s.timing);
+  AddTiming(estimate, timing);
+  return s;
+}
+
 Estimate EstimateFromTrajectory(const Trajectory& trajectory) {
   Estimate estimate;
   for (const StampedPose& p : trajectory) {

@@ -70,6 +70,8 @@ struct Scores {
   std::vector<double> error_se3_m, error_sim3_m, error_rot_deg;  ///< Per pair.
   std::vector<double> error_rot_own_deg;  ///< Per pair, after the rotation that fits the orientations best.
 
+  /// Whether there were poses to score; a topological map has none.
+  bool HasPoses() const { return !pairs.empty(); }
   /// @returns the value of a score or timing by name. @throws BadInput naming the nearest known one.
   double Value(const std::string& name) const;
 };
@@ -80,6 +82,9 @@ struct Scores {
 /// @throws BadInput for stamps that do not increase; BadOption; TooLittleData if too few pairs or too little coverage.
 Scores ScoreEstimate(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
                      const ScoreOptions& options);
+
+/// What there is to say of a system that gives no poses: how many frames it saw, and how long that took.
+Scores ScoreWithoutPoses(const Estimate& estimate);
 
 /// An estimate that is a bare trajectory, from a file.
 Estimate EstimateFromTrajectory(const Trajectory& trajectory);

@@ -12,8 +12,8 @@
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/trajectory_file.h"
 #include "scenarios/runs/live_tracking.h"
-#include "scenarios/runs/mapped_floor.h"
 #include "scenarios/runs/output_folder.h"
+#include "scenarios/runs/run_scores.h"
 #include "scenarios/runs/runner.h"
 #include "scenarios/runs/tracked_system.h"
 #include "scenarios/versions.h"
@@ -124,16 +124,12 @@ std::optional<Scores> ScoreInto(const TrackedWalk& walk, const ResolvedScenario&
   if (!walk.blur_px.empty()) record.blur_median_px = UpperMedian(walk.blur_px);
   const double poses = double(walk.estimate.ToTrajectory().size());
   record.scores["coverage_ratio"] = walk.stamps.empty() ? 0 : poses / double(walk.stamps.size());
-  try {
-    Scores scores = ScoreEstimate(walk.estimate, walk.truth, walk.stamps, resolved.scenario.score);
-    AddMapScores(walk.estimate, resolved.place, scores);
-    for (const Score& score : scores.scores) record.scores[score.name] = score.value;
-    for (const Score& score : scores.timing) record.timing[score.name] = score.value;
-    return scores;
-  } catch (const TooLittleData& e) {
-    record.not_scored = e.what();
-    return std::nullopt;
-  }
+  const RunScores run = ScoreRun(walk.estimate, walk.truth, walk.stamps, resolved.place, resolved.scenario.score);
+  record.not_scored = run.not_scored;
+  if (!run.scores) return std::nullopt;
+  for (const Score& score : run.scores->scores) record.scores[score.name] = score.value;
+  for (const Score& score : run.scores->timing) record.timing[score.name] = score.value;
+  return run.scores;
 }
 
 std::string TrackingCsv(const Estimate& estimate) {

@@ -9,10 +9,10 @@
 #include "algorithms/io/trajectory_file.h"
 #include "results/video.h"
 #include "scenarios/runs/live_tracking.h"
-#include "scenarios/runs/mapped_floor.h"
 #include "scenarios/runs/output_folder.h"
 #include "scenarios/runs/progress.h"
 #include "scenarios/runs/run_log.h"
+#include "scenarios/runs/run_scores.h"
 #include "scenarios/runs/tracked_system.h"
 #include "scenarios/versions.h"
 
@@ -139,17 +139,13 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   const Estimate estimate = TrackLive(simulation, tracker, live);
   progress.Finish();
 
-  std::optional<Scores> scores;
-  std::optional<FloorComparison> map;
+  const RunScores run = ScoreRun(estimate, log.truth(), log.stamps(), resolved.place, scenario.score);
   ReportInput report;
-  try {
-    scores = ScoreEstimate(estimate, log.truth(), log.stamps(), scenario.score);
-    map = AddMapScores(estimate, resolved.place, *scores);
-    report.scores = &*scores;
-    report.map = map ? &*map : nullptr;
-  } catch (const TooLittleData& e) {
-    report.no_scores_reason = e.what();
-  }
+  report.scores = run.scores ? &*run.scores : nullptr;
+  report.no_scores_reason = run.not_scored;
+  report.map = run.map ? &*run.map : nullptr;
+  report.places = run.places ? &*run.places : nullptr;
+  report.graph = run.places ? &*estimate.places : nullptr;
   if (!estimate.failure.empty()) report.no_scores_reason = scenario.system.name + " failed: " + estimate.failure;
   report.title = scenario.name;
   report.subtitle = Subtitle(resolved);
@@ -170,10 +166,10 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   folder.WriteText("frames.csv", log.ToCsv(estimate));
   folder.WriteText("scenario.yaml", report.resolved_scenario);
   folder.WriteText("scores.json", ScoresFile(report, estimate, simulation, scenario.seed));
-  if (map) WriteMapPictures(*map, folder.path() / "map");
+  WriteMaps(estimate, run, folder.path());
   WriteReport(folder.path() / "report.html", report);
   folder.Commit();
-  return {options.out, StatusText(report.end), report.end_time_s, scores, report.no_scores_reason};
+  return {options.out, StatusText(report.end), report.end_time_s, run.scores, report.no_scores_reason};
 }
 
 }  // namespace gaitcam

@@ -1,0 +1,205 @@
+#include "results/report_graph.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "algorithms/core/errors.h"
+#include "results/html_page.h"
+
+namespace gaitcam::internal {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::string_view kStyle = R"css(
+.graph svg { display: block; width: 100%; height: auto; max-height: 620px; }
+.graph .way { fill: none; stroke: var(--truth); stroke-width: 1.6; vector-effect: non-scaling-stroke; stroke-linejoin: round; }
+.graph .link { stroke: var(--sim3); stroke-width: 1.6; vector-effect: non-scaling-stroke; }
+.graph .right { stroke: var(--green); stroke-width: 3; vector-effect: non-scaling-stroke; }
+.graph .wrong { stroke: var(--bad); stroke-width: 3; stroke-dasharray: 6 4; vector-effect: non-scaling-stroke; }
+.graph .ring { fill: none; stroke: var(--se3); stroke-width: 2.2; vector-effect: non-scaling-stroke; }
+.graph .missed { stroke-dasharray: 4 4; }
+.graph .node { fill: var(--card); stroke: var(--sim3); stroke-width: 1.6; vector-effect: non-scaling-stroke; }
+.graph text { fill: var(--ink); text-anchor: middle; dominant-baseline: central; font-weight: 600; }
+.loops { display: grid; gap: .75rem; grid-template-columns: minmax(0, 1fr); }
+@media (min-width: 900px) { .loops { grid-template-columns: repeat(2, minmax(0, 1fr)); } }
+.loops figure { margin: 0; padding: .6rem; background: var(--card); border: 1px solid var(--line); border-radius: 12px; }
+.loops .seen { display: flex; gap: .5rem; align-items: center; }
+.loops .seen img { display: block; height: 84px; width: auto; border-radius: 4px; }
+.loops .seen img.panorama { flex: 1; min-width: 0; height: auto; }
+.loops svg { display: block; width: 100%; height: 92px; margin-top: .4rem; }
+.loops rect { fill: var(--sim3); }
+.loops rect.chosen { fill: var(--green); }
+.loops rect.none { fill: var(--muted); }
+.loops line { stroke: var(--line); vector-effect: non-scaling-stroke; }
+.loops figcaption { padding-top: .4rem; font-size: .82rem; line-height: 1.4; color: var(--muted); }
+.loops figcaption b { color: var(--ink); }
+)css";
+
+/// The ground that everything lies on, and its scale.
+struct Ground {
+  Vector2d low, high;
+  double unit;  ///< A hundredth of the larger side, m.
+
+  explicit Ground(const PlaceGraphComparison& comparison) {
+    low = Vector2d::Constant(1e9);
+    high = -low;
+    for (const auto* points : {&comparison.way_m, &comparison.nodes_m}) {
+      for (const Vector2d& p : *points) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
+    }
+    unit = std::max(0.5, (high - low).maxCoeff()) / 100;
+    low -= Vector2d::Constant(5 * unit);
+    high += Vector2d::Constant(5 * unit);
+  }
+  double x(const Vector2d& p) const { return p.x() - low.x(); }
+  double y(const Vector2d& p) const { return high.y() - p.y(); }
+};
+
+std::string Line(const Ground& ground, const Vector2d& a, const Vector2d& b, const char* kind) {
+  return fmt::format("<line class=\"{}\" x1=\"{:.3f}\" y1=\"{:.3f}\" x2=\"{:.3f}\" y2=\"{:.3f}\"/>", kind, ground.x(a),
+                     ground.y(a), ground.x(b), ground.y(b));
+}
+
+std::string Circle(const Ground& ground, const Vector2d& p, double radius_m, const std::string& kind) {
+  return fmt::format("<circle class=\"{}\" cx=\"{:.3f}\" cy=\"{:.3f}\" r=\"{:.3f}\"/>", kind, ground.x(p), ground.y(p),
+                     radius_m);
+}
+
+std::string Drawing(const PlaceGraphComparison& comparison, const PlaceGraph& graph) {
+  const Ground ground(comparison);
+  std::string html, points;
+  for (const Vector2d& p : comparison.way_m) points += fmt::format("{:.3f},{:.3f} ", ground.x(p), ground.y(p));
+  html += fmt::format("<polyline class=\"way\" points=\"{}\"/>", points);
+  for (const PlaceLink& link : graph.links) {
+    if (!link.loop) {
+      html += Line(ground, comparison.nodes_m[size_t(link.from)], comparison.nodes_m[size_t(link.to)], "link");
+    }
+  }
+  for (const Revisit& crossing : comparison.crossings) {
+    html += Circle(ground, crossing.at_m, 3.2 * ground.unit, crossing.found ? "ring" : "ring missed");
+  }
+  for (const ClosedLoop& loop : comparison.loops) {
+    html += Line(ground, loop.at_m, comparison.nodes_m[size_t(loop.to)], loop.right ? "right" : "wrong");
+    html += Circle(ground, loop.at_m, 0.5 * ground.unit, loop.right ? "right" : "wrong");
+  }
+  for (size_t n = 0; n < comparison.nodes_m.size(); ++n) {
+    const Vector2d& p = comparison.nodes_m[n];
+    html += Circle(ground, p, 1.7 * ground.unit, "node");
+    html += fmt::format("<text x=\"{:.3f}\" y=\"{:.3f}\" font-size=\"{:.3f}\">{}</text>", ground.x(p), ground.y(p),
+                        1.9 * ground.unit, n);
+  }
+  return fmt::format(
+      "<div class=\"panel graph\"><svg viewBox=\"0 0 {:.3f} {:.3f}\" role=\"img\" aria-label=\"map\">{}"
+      "</svg></div>\n",
+      ground.high.x() - ground.low.x(), ground.high.y() - ground.low.y(), html);
+}
+
+/// The panorama, and in it where the view was found.
+cv::Mat WithWindow(const cv::Mat& panorama, const PlaceTest& test) {
+  cv::Mat picture;
+  cv::cvtColor(panorama, picture, cv::COLOR_GRAY2BGR);
+  const int width = picture.cols;
+  const int middle = int(std::lround(width * (0.5 - test.bearing_rad / (2 * std::numbers::pi))));
+  for (const int turn : {-width, 0, width}) {
+    cv::rectangle(picture, {middle + turn - test.view.cols / 2, 1},
+                  {middle + turn + test.view.cols / 2, picture.rows - 2}, {60, 170, 20}, 3);
+  }
+  return picture;
+}
+
+/// Posterior of the events, "no loop" first (as the thesis's Figs. 4.12 and 4.13).
+std::string Bars(const PlaceTest& test) {
+  const size_t n = std::max<size_t>(1, test.posterior.size());
+  std::string html = "<line x1=\"0\" y1=\"40\" x2=\"100\" y2=\"40\"/>";
+  for (size_t i = 0; i < test.posterior.size(); ++i) {
+    const double height = 38 * std::clamp(test.posterior[i], 0.0, 1.0);
+    const char* kind = int(i) - 1 == test.matched ? "chosen" : i == 0 ? "none" : "";
+    html += fmt::format(
+        "<rect class=\"{}\" x=\"{:.3f}\" y=\"{:.3f}\" width=\"{:.3f}\" height=\"{:.3f}\"><title>{}: {:.3f}"
+        "</title></rect>",
+        kind, 100.0 * double(i) / double(n), 40 - height, 80.0 / double(n), height,
+        i == 0 ? std::string("no loop") : fmt::format("place {}", i - 1), test.posterior[i]);
+  }
+  return "<svg viewBox=\"0 0 100 41\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"posterior\">" + html +
+         "</svg>";
+}
+
+std::string LoopFigure(const ClosedLoop& loop, const PlaceTest& test, const PlaceGraph& graph) {
+  constexpr int kViewPixels = 240, kPanoramaPixels = 900;
+  const cv::Mat& panorama = graph.nodes[size_t(loop.to)].panorama;
+  std::string seen;
+  if (!test.view.empty()) {
+    seen += fmt::format("<img alt=\"view\" src=\"{}\">", JpegUri(test.view, kViewPixels));
+  }
+  if (!panorama.empty()) {
+    seen += fmt::format("<img class=\"panorama\" alt=\"panorama of place {}\" src=\"{}\">", loop.to,
+                        JpegUri(WithWindow(panorama, test), kPanoramaPixels));
+  }
+  const size_t chosen = size_t(test.matched + 1);
+  return fmt::format(
+      "<figure><div class=\"seen\">{}</div>{}<figcaption><b>{} place {}</b> at {:.1f} s, {:.2f} m from it. Left: the "
+      "view; "
+      "right: the place&rsquo;s panorama with the view&rsquo;s window; below: the posterior of &ldquo;no loop&rdquo; "
+      "(grey) and of each place; the chosen one has {:.2f}.</figcaption></figure>\n",
+      seen, Bars(test), loop.right ? "Right:" : "False:", loop.to, double(loop.stamp_ns) * 1e-9, loop.distance_m,
+      chosen < test.posterior.size() ? test.posterior[chosen] : 0.0);
+}
+
+/// Of each loop the test that decided it: the last one that named the place before the link was made.
+const PlaceTest* DecidingTest(const PlaceGraph& graph, const ClosedLoop& loop) {
+  const PlaceTest* deciding = nullptr;
+  for (const PlaceTest& test : graph.tests) {
+    if (test.stamp_ns <= loop.stamp_ns && test.matched == loop.to) deciding = &test;
+  }
+  return deciding;
+}
+
+double Value(const PlaceGraphComparison& comparison, const std::string& name) {
+  const auto score =
+      std::find_if(comparison.scores.begin(), comparison.scores.end(), [&](const Score& s) { return s.name == name; });
+  GAITCAM_ASSERT(score != comparison.scores.end());
+  return score->value;
+}
+
+}  // namespace
+
+std::string PlaceSection(const PlaceGraphComparison& comparison, const PlaceGraph& graph) {
+  constexpr size_t kMostLoops = 8;
+  std::string html = "<h2>The places and how they hang together</h2>\n" +
+                     Key({{"truth", "true way"},
+                          {"sim3", "places (numbered) and links between them"},
+                          {"green", "right loop: from where the robot was to the place it recognised"},
+                          {"bad", "false loop", "dashed"},
+                          {"se3", "the way crosses itself; dashed ring: not noticed"}},
+                         "") +
+                     Drawing(comparison, graph);
+  std::string figures;
+  size_t count = 0;
+  for (const ClosedLoop& loop : comparison.loops) {
+    const PlaceTest* test = DecidingTest(graph, loop);
+    if (!test || count++ == kMostLoops) continue;
+    figures += LoopFigure(loop, *test, graph);
+  }
+  if (!figures.empty()) html += "<h2>What closed the loops</h2>\n<div class=\"loops\">\n" + figures + "</div>\n";
+  return html;
+}
+
+std::string PlaceCards(const PlaceGraphComparison& comparison) {
+  const auto count = [&](const char* name) { return ScoreText(Value(comparison, name)); };
+  return Card("Places", Value(comparison, "place_nodes"), "",
+              fmt::format("seen all around, {} bytes each", count("place_node_bytes"))) +
+         Card("Loops closed", Value(comparison, "loops_closed"), "",
+              fmt::format("{} of them false; the way crosses itself {} times, {} noticed", count("loops_false"),
+                          count("loop_crossings"), count("loop_crossings_found")));
+}
+
+std::string_view PlaceStyle() { return kStyle; }
+
+}  // namespace gaitcam::internal
