@@ -56,7 +56,7 @@ void TopoSlam::FollowScan(const Observation& observation) {
   tested_ns_ = -1;
   if (wanted_ns_ < 0) {
     wanted_ns_ = observation.stamp_ns;
-    asked_heading_rad_ = up_.heading_rad() + heading_offset_rad_;
+    asked_heading_rad_ = heading_rad();
   }
   if (observation.scan) {
     if (!wants_scan_) {  // the rest of a scan that has shown all
@@ -65,6 +65,7 @@ void TopoSlam::FollowScan(const Observation& observation) {
     }
     if (!builder_) {
       builder_.emplace(projection_, layout_, options_.panorama);
+      ahead_rad_ = HeadingAtScan(observation.scan->pan_rad);
       scan_began_ns_ = observation.stamp_ns;
     }
     builder_->Add(observation.image.pixels, observation.scan->pan_rad + observation.scan->body_turn_rad);
@@ -76,6 +77,13 @@ void TopoSlam::FollowScan(const Observation& observation) {
   }
 }
 
+/// Of the body, which has come to a halt since it was asked. A gyroscope in the head has turned with it by `pan_rad`,
+/// to where a sweep begins, so far that the two cannot be mistaken for each other.
+double TopoSlam::HeadingAtScan(double pan_rad) const {
+  const double turned = heading_rad() - asked_heading_rad_;
+  return std::abs(turned - pan_rad) < std::abs(turned) ? heading_rad() - pan_rad : heading_rad();
+}
+
 void TopoSlam::AddNode() {
   Panorama panorama = builder_->Finish();
   map_.Add(encoder_.OfPanorama(panorama.image));
@@ -83,7 +91,7 @@ void TopoSlam::AddNode() {
   node.stamp_ns = scan_began_ns_;
   node.bytes = map_.bytes_per_place();
   node.panorama = panorama.image;
-  node_heading_rad_.push_back(asked_heading_rad_);
+  node_heading_rad_.push_back(ahead_rad_);
   heading_is_old_ = true;
   graph_.nodes.push_back(node);
   panorama.image.release();

@@ -77,6 +77,8 @@ class TopoSlam {
   /// Why there is no map, or it is not complete; empty if it is.
   std::string Failure() const;
 
+  /// Against straight ahead at the first frame, as it is believed, rad.
+  double heading_rad() const { return up_.heading_rad() + heading_offset_rad_; }
   const PanoramaLayout& layout() const { return layout_; }
   /// What the stitch of each node was like; its image is empty.
   const std::vector<Panorama>& stitches() const { return stitches_; }
@@ -91,6 +93,7 @@ class TopoSlam {
   };
 
   void FollowScan(const Observation& observation);
+  double HeadingAtScan(double pan_rad) const;
   void AddNode();
   bool Rests(const Observation& observation);
   void Collect(const Observation& observation);
@@ -115,8 +118,9 @@ class TopoSlam {
   bool wants_scan_ = true;
   int64_t wanted_ns_ = -1, scan_began_ns_ = -1;
   std::optional<PanoramaBuilder> builder_;
-  double asked_heading_rad_ = 0;
-  int64_t scanned_ns_ = -1;  ///< When the last scan was over; -1 once the robot has walked on.
+  double asked_heading_rad_ = 0;  ///< As the scan was asked for, ...
+  double ahead_rad_ = 0;          ///< ... and as it began.
+  int64_t scanned_ns_ = -1;       ///< When the last scan was over; -1 once the robot has walked on.
   bool gave_up_ = false;
 
   std::optional<Candidate> candidate_;
