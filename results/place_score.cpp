@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
 
 #include "algorithms/core/errors.h"
 #include "results/statistics.h"
@@ -98,16 +99,18 @@ PlaceSummary Summarise(const std::string& method, const std::string& condition, 
   GAITCAM_ASSERT(!scores.empty());
   PlaceSummary summary{method, condition, int(scores.size())};
   std::vector<double> positions, bearings;
-  const double share = 1 / double(scores.size());
   for (const PlaceScore& s : scores) {
     positions.push_back(s.position_error_m);
     bearings.push_back(std::abs(s.bearing_error_deg));
-    summary.found_ratio += share * s.found;
-    summary.peak_area_ratio += share * s.of_maximum.area_ratio;
-    summary.peak_area_range_ratio += share * s.of_range.area_ratio;
-    summary.modes += share * s.of_range.modes;
-    summary.one_mode_ratio += share * (s.of_range.modes == 1);
+    summary.found_ratio += s.found;
+    summary.peak_area_ratio += s.of_maximum.area_ratio;
+    summary.peak_area_range_ratio += s.of_range.area_ratio;
+    summary.modes += s.of_range.modes;
+    summary.one_mode_ratio += s.of_range.modes == 1;
   }
+  for (double* mean : {&summary.found_ratio, &summary.peak_area_ratio, &summary.peak_area_range_ratio, &summary.modes,
+                       &summary.one_mode_ratio})
+    *mean /= double(scores.size());
   std::tie(summary.found_low, summary.found_high) = WilsonInterval(summary.found_ratio, double(scores.size()));
   summary.position_error_median_m = MedianOf(positions);
   summary.bearing_error_median_deg = MedianOf(bearings);

@@ -5,6 +5,7 @@
 
 #include "algorithms/core/errors.h"
 #include "scenarios/commands/commands.h"
+#include "scenarios/jobs/sequence_cache.h"
 #include "scenarios/runs/interrupt.h"
 #include "scenarios/runs/localisation.h"
 #include "scenarios/runs/runner.h"
@@ -41,6 +42,7 @@ int RunCommand(const RunArguments& arguments, const CommonOptions& common) {
     options.out = fmt::format("runs/{}-{}-seed{}", scenario.name, what, scenario.seed);
   }
   options.quiet = common.quiet;
+  if (scenario.localisation) options.cache = DefaultCacheFolder();
   options.interrupted = [&guard] { return guard.Interrupted(); };
   const RunOutcome outcome =
       scenario.localisation ? RunLocalisation(resolved, options) : RunScenario(resolved, options);

@@ -13,6 +13,7 @@
 #include "results/report_places.h"
 #include "results/statistics.h"
 #include "scenarios/runs/output_folder.h"
+#include "scenarios/runs/place_cache.h"
 #include "scenarios/runs/progress.h"
 #include "scenarios/versions.h"
 
@@ -26,6 +27,21 @@ constexpr size_t kTrainingPanoramas = 24;  ///< For methods that learn: so many 
 
 double MsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Those of the cache, else made now and kept there.
+PlaceViews ViewsOf(const ResolvedScenario& resolved, const RunOptions& options, Progress& progress) {
+  const PlaceCache cache(options.cache, resolved);
+  if (std::optional<PlaceViews> kept = cache.Read()) {
+    kept->grid = GridOf(*resolved.scenario.localisation);
+    return std::move(*kept);
+  }
+  PlaceViews views = MakePlaceViews(resolved, [&](int done, int all) {
+    progress.Update(done, all);
+    return !options.interrupted();
+  });
+  if (!options.interrupted()) cache.Write(views);
+  return views;
 }
 
 /// One method's answers to all views.
@@ -170,7 +186,7 @@ std::vector<Score> ViewScores(const PlaceViews& views) {
       {"view_width_px", double(views.view_width_px), "px", "width of a view in the panorama's pixels"}};
   for (const PlaceQuery& q : views.queries) {
     if (q.covered_ratio > 0) covered.push_back(q.covered_ratio);
-    if (q.blur_px > 0) blur.push_back(q.blur_px);
+    if (q.condition.starts_with("walk_")) blur.push_back(q.blur_px);
   }
   if (!covered.empty())
     scores.push_back({"occlusion_covered_median_ratio", MedianOf(covered), "", "of views with robots in the way"});
@@ -211,10 +227,7 @@ RunOutcome RunLocalisation(const ResolvedScenario& resolved, const RunOptions& o
   OutputFolder folder(options.out, "scores.json");
   Progress progress(scenario.name, 0, options.quiet);
   const auto started = Clock::now();
-  const PlaceViews views = MakePlaceViews(resolved, [&](int done, int all) {
-    progress.Update(done, all);
-    return !options.interrupted();
-  });
+  const PlaceViews views = ViewsOf(resolved, options, progress);
   progress.Finish();
   RunOutcome outcome;
   outcome.folder = options.out;

@@ -18,6 +18,7 @@ struct RunOptions {
   std::filesystem::path out;  ///< Folder of the results; replaced if it is an older run.
   bool quiet = false;
   std::function<bool()> interrupted = [] { return false; };
+  std::filesystem::path cache = {};  ///< Where a localisation keeps its pictures; empty: nowhere.
 };
 
 struct RunOutcome {
