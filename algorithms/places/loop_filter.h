@@ -28,7 +28,7 @@ namespace gaitcam {
 
 struct LoopFilterOptions {
   using DescribedTag = void;
-  double threshold = 2.2;  ///< Of similarity, 1 being a coin toss's (SimilarityOf).
+  double threshold = 1.85;  ///< Of similarity, 1 being a coin toss's (SimilarityOf).
   std::string likelihood = "bits";
   double sharpness = 60;
   std::string transition = "neighbours";

@@ -48,7 +48,7 @@ FrameEstimate TopoSlam::Track(const Observation& observation) {
 }
 
 void TopoSlam::Finish() {
-  if (builder_ && builder_->missing_deg() == 0) AddNode();
+  if (builder_ && builder_->missing_deg() == 0) EndScan();
 }
 
 void TopoSlam::FollowScan(const Observation& observation) {
@@ -71,7 +71,7 @@ void TopoSlam::FollowScan(const Observation& observation) {
     builder_->Add(observation.image.pixels, observation.scan->pan_rad + observation.scan->body_turn_rad);
   } else if (builder_ && builder_->missing_deg() == 0) {
     scanned_ns_ = observation.stamp_ns;
-    AddNode();  // between two sweeps, while the body turns, half of it is missing still
+    EndScan();  // between two sweeps, while the body turns, half of it is missing still
   } else if (double(observation.stamp_ns - wanted_ns_) * 1e-9 > options_.scan_patience_s) {
     gave_up_ = true;
   }
@@ -84,25 +84,61 @@ double TopoSlam::HeadingAtScan(double pan_rad) const {
   return std::abs(turned - pan_rad) < std::abs(turned) ? heading_rad() - pan_rad : heading_rad();
 }
 
-void TopoSlam::AddNode() {
+void TopoSlam::EndScan() {
   Panorama panorama = builder_->Finish();
+  const int known = KnownPlace(panorama.image);
+  if (known < 0) {
+    AddNode(std::move(panorama));
+  } else {
+    CloseLoop(known, scan_began_ns_);
+  }
+  heading_is_old_ = true;
+  builder_.reset();
+  wants_scan_ = false;
+  wanted_ns_ = -1;
+}
+
+/// The node that a panorama shows, turned as it may be, or -1.
+int TopoSlam::KnownPlace(const cv::Mat& panorama) const {
+  if (map_.size() == 0) return -1;
+  // As a view that sees all around; some of it twice, as sub-shifts drop the first pixels.
+  cv::Mat round;
+  cv::hconcat(panorama, panorama.colRange(0, std::min(panorama.cols, options_.wavelet.square_px())), round);
+  const std::vector<WaveletMatch> matches = map_.Query(encoder_.OfView(round));
+  const auto best = std::max_element(matches.begin(), matches.end(), [](const WaveletMatch& a, const WaveletMatch& b) {
+    return a.similarity < b.similarity;
+  });
+  return best->similarity > options_.same_place ? int(best - matches.begin()) : -1;
+}
+
+void TopoSlam::AddNode(Panorama panorama) {
   map_.Add(encoder_.OfPanorama(panorama.image));
   PlaceNode node;
   node.stamp_ns = scan_began_ns_;
   node.bytes = map_.bytes_per_place();
   node.panorama = panorama.image;
-  node_heading_rad_.push_back(ahead_rad_);
-  heading_is_old_ = true;
   graph_.nodes.push_back(node);
+  node_heading_rad_.push_back(ahead_rad_);
   panorama.image.release();
   stitches_.push_back(panorama);
   const int added = int(graph_.nodes.size()) - 1;
   if (last_ >= 0) graph_.links.push_back({last_, added, false, scan_began_ns_});
   last_ = added;
+  Forget();
+}
+
+void TopoSlam::CloseLoop(int node, int64_t stamp_ns) {
+  const auto linked = [&](const PlaceLink& link) {
+    return (link.from == last_ && link.to == node) || (link.from == node && link.to == last_);
+  };
+  if (node != last_ && std::none_of(graph_.links.begin(), graph_.links.end(), linked))
+    graph_.links.push_back({last_, node, true, stamp_ns});
+  last_ = node;
+  Forget();
+}
+
+void TopoSlam::Forget() {
   filter_.Reset();
-  builder_.reset();
-  wants_scan_ = false;
-  wanted_ns_ = -1;
   streak_ = 0;
   streak_best_ = -2;
 }
@@ -179,9 +215,7 @@ void TopoSlam::Test(const Candidate& candidate, FrameEstimate& estimate) {
   estimate.inliers = int(std::lround((1 - here.disagreement) * estimate.features));
   if (here.similarity >= options_.loop.threshold) {  // step 2 of 4.5: still at the last node
     SetHeading(BearingOf(here), candidate.heading_rad);
-    filter_.Reset();
-    streak_ = 0;
-    streak_best_ = -2;
+    Forget();
     return;
   }
   for (int node = 0; node < int(map_.size()); ++node) {
@@ -208,15 +242,9 @@ void TopoSlam::Decide(int best, int64_t stamp_ns) {
   streak_best_ = -2;
   if (best < 0) {
     wants_scan_ = true;
-    return;
+  } else {
+    CloseLoop(best, stamp_ns);
   }
-  const auto linked = [&](const PlaceLink& link) {
-    return (link.from == last_ && link.to == best) || (link.from == best && link.to == last_);
-  };
-  if (std::none_of(graph_.links.begin(), graph_.links.end(), linked))
-    graph_.links.push_back({last_, best, true, stamp_ns});
-  last_ = best;
-  filter_.Reset();
 }
 
 std::string TopoSlam::Failure() const {

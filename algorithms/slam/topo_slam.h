@@ -31,7 +31,8 @@ struct TopoSlamOptions {
   WaveletOptions wavelet;
   PanoramaOptions panorama;
   LoopFilterOptions loop;
-  double test_every_s = 0.5;    ///< Time between two tests.
+  double same_place = 1.6;      ///< Two panoramas more similar than this are of one place.
+  double test_every_s = 0.3;    ///< Time between two tests.
   std::string steady = "gyro";  ///< Which frame of that time is tested.
   bool level_views = true;      ///< By gravity, as the IMU feels it; without one the standing camera's.
   double heading_window_deg =
@@ -49,6 +50,7 @@ void VisitFields(Visitor& visit, TopoSlamOptions& o) {
   visit("wavelet", o.wavelet, Nested(), "the signature of a place");
   visit("panorama", o.panorama, Nested(), "how frames of a scan are stitched");
   visit("loop", o.loop, Nested(), "how known places are recognised");
+  visit("same_place", o.same_place, Between(1.0, 1000.0), "panoramas more similar than this are of one place");
   visit("test_every_s", o.test_every_s, Between(0.0, 1000.0), "time between two tests");
   visit("steady", o.steady, OneOf({"gyro", "double_support", "last"}), "which frame of that time is tested");
   visit("level_views", o.level_views, Nested(), "views are laid onto the cylinder by gravity");
@@ -94,7 +96,10 @@ class TopoSlam {
 
   void FollowScan(const Observation& observation);
   double HeadingAtScan(double pan_rad) const;
-  void AddNode();
+  void EndScan();
+  int KnownPlace(const cv::Mat& panorama) const;
+  void AddNode(Panorama panorama);
+  void CloseLoop(int node, int64_t stamp_ns);
   bool Rests(const Observation& observation);
   void Collect(const Observation& observation);
   double Unrest(const Observation& observation) const;
@@ -102,6 +107,7 @@ class TopoSlam {
   WaveletMatch Compare(const WaveletView& view, int node, double heading_rad) const;
   double BearingOf(const WaveletMatch& match) const;
   void SetHeading(double bearing_rad, double turned_rad);
+  void Forget();
   void Decide(int best, int64_t stamp_ns);
 
   TopoSlamOptions options_;
