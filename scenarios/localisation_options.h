@@ -4,12 +4,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "algorithms/core/fields.h"
 #include "algorithms/places/panorama.h"
 #include "algorithms/places/wavelet_signature.h"
+#include "models/place.h"
 
 namespace gaitcam {
 
@@ -53,5 +55,12 @@ void VisitFields(Visitor& visit, LocalisationOptions& o) {
   visit("walk_every_s", o.walk_every_s, Between(0.05, 100), "between two views of a walk");
   visit("heat_maps", o.heat_maps, Between(0, 50), "so many plain views are shown, and one of each other condition");
 }
+
+/// What no single number's limits can say.
+struct LocalisationProblem {
+  std::string key, text;
+};
+/// Words and numbers of lists, and whether the field lies on the place's floor.
+std::optional<LocalisationProblem> FindProblem(const LocalisationOptions& options, const Place& place);
 
 }  // namespace gaitcam

@@ -207,6 +207,10 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     fail_at("people", e);
   }
   ResolveGait(root, resolved.robot, scenario.gait);
+  if (scenario.localisation) {
+    if (const auto problem = FindProblem(*scenario.localisation, resolved.place))
+      FailAtSetting(root.Child("localisation"), problem->key, problem->text);
+  }
   if (scenario.system.external) {
     ResolveExternal(root, *scenario.system.external);
     return resolved;

@@ -99,6 +99,10 @@ int ValidateCommand(const ScenarioArguments& arguments, const CommonOptions& com
   CheckPlan(resolved);
   if (common.json) {
     fmt::print("{}\n", nlohmann::json{{"valid", true}, {"scenario", resolved.scenario.name}}.dump(2));
+  } else if (!common.quiet && resolved.scenario.localisation) {
+    const LocalisationOptions& places = *resolved.scenario.localisation;
+    fmt::print("{}: valid; {} recognises {} x {} places in {}\n", arguments.file.string(), resolved.robot.name,
+               places.columns, places.rows, resolved.place.name);
   } else if (!common.quiet) {
     fmt::print("{}: valid; {} walks `{}` in {}, tracked by {}\n", arguments.file.string(), resolved.robot.name,
                resolved.scenario.path.kind, resolved.place.name, resolved.scenario.system.name);

@@ -10,7 +10,6 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
-#include "algorithms/places/place_recognition.h"
 #include "algorithms/places/up_direction.h"
 #include "scenarios/runs/pasted_robots.h"
 #include "scenarios/runs/runner.h"
@@ -271,41 +270,6 @@ class PlaceViewMaker {
   std::optional<CylinderProjection> projection_;
 };
 
-/// @throws BadInput naming the word.
-void CheckWords(const std::vector<std::string>& words, const std::vector<std::string>& known, const std::string& key) {
-  for (const std::string& word : words) {
-    if (std::find(known.begin(), known.end(), word) != known.end()) continue;
-    const std::string near = NearestWord(word, known);
-    throw BadInput(fmt::format("localisation.{}: \"{}\" is not permitted; expected {}{}", key, word,
-                               OneOf(known).ToText(), near.empty() ? "" : " (did you mean " + near + "?)"));
-  }
-}
-
-void CheckNumbers(const std::vector<double>& numbers, const Interval& permitted, const std::string& key) {
-  for (const double number : numbers) {
-    if (!permitted.Contains(number)) {
-      throw BadInput(
-          fmt::format("localisation.{}: {:g} is not permitted; expected {}", key, number, permitted.ToText()));
-    }
-  }
-}
-
-void CheckField(const LocalisationOptions& options, const Place& place) {
-  if (!(options.field_m.minCoeff() > 2 * options.margin_m)) {
-    throw BadInput(fmt::format("localisation.field_m: {:g} x {:g} m leave nothing within the margin of {:g} m",
-                               options.field_m.x(), options.field_m.y(), options.margin_m));
-  }
-  const Vector2d low = options.centre_m - 0.5 * options.field_m, high = options.centre_m + 0.5 * options.field_m;
-  if ((low - place.floor_min).minCoeff() < 0 || (place.floor_max - high).minCoeff() < 0) {
-    throw BadInput(
-        fmt::format("localisation.field_m: the field from ({:g}, {:g}) to ({:g}, {:g}) m reaches beyond the floor of "
-                    "{}, which lies "
-                    "from ({:g}, {:g}) to ({:g}, {:g}) m",
-                    low.x(), low.y(), high.x(), high.y(), place.name, place.floor_min.x(), place.floor_min.y(),
-                    place.floor_max.x(), place.floor_max.y()));
-  }
-}
-
 }  // namespace
 
 std::vector<std::string> PlaceConditions(const LocalisationOptions& options) {
@@ -334,15 +298,11 @@ PlaceGrid GridOf(const LocalisationOptions& options) {
 
 void CheckPlaceViews(const ResolvedScenario& resolved) {
   const Scenario& scenario = resolved.scenario;
-  const LocalisationOptions& options = *scenario.localisation;
-  CheckWords(options.methods, PlaceIndexNames(), "methods");
-  CheckWords(options.lights, {"moved", "dimmed", "coloured"}, "lights");
-  CheckNumbers(options.occlusions, Between(0.01, 0.9), "occlusions");
-  CheckNumbers(options.walk_exposures_ms, Between(0, 200), "walk_exposures_ms");
-  CheckField(options, resolved.place);
   CheckSimulation(resolved.robot, resolved.place, StandingOptions(scenario), scenario.seed);
   CheckHeadScan(resolved.robot, StandingOptions(scenario));
-  for (const double exposure_ms : options.walk_exposures_ms)
+  RandomStream random(scenario.seed, "localisation.walks");
+  if (!scenario.localisation->walk_exposures_ms.empty()) RandomWalk(*scenario.localisation, random);
+  for (const double exposure_ms : scenario.localisation->walk_exposures_ms)
     CheckSimulation(resolved.robot, resolved.place, WalkingOptions(scenario, exposure_ms), scenario.seed);
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "algorithms/core/errors.h"
 #include "scenarios/runs/output_folder.h"
 #include "scenarios/runs/progress.h"
 
@@ -34,6 +35,8 @@ FrameTruthRecord RecordOf(const FrameTruth& truth) {
 RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFolders& folders,
                              const RecordOptions& options) {
   const Scenario& scenario = resolved.scenario;
+  if (scenario.localisation)
+    throw BadInput(scenario.name + ": `localisation` has no walk to record; it is done by `gaitcam run` alone");
   Simulation simulation(resolved.robot, resolved.place, SimulationOptionsOf(scenario), scenario.seed);
   DatasetWriter writer(folders, simulation.calibration(), options.format);
   const int64_t expected = simulation.ExpectedFrames();

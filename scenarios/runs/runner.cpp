@@ -10,6 +10,7 @@
 #include "results/video.h"
 #include "scenarios/runs/live_tracking.h"
 #include "scenarios/runs/output_folder.h"
+#include "scenarios/runs/place_views.h"
 #include "scenarios/runs/progress.h"
 #include "scenarios/runs/run_log.h"
 #include "scenarios/runs/run_scores.h"
@@ -116,6 +117,10 @@ SimulationOptions SimulationOptionsOf(const Scenario& scenario) {
 }
 
 void CheckPlan(const ResolvedScenario& resolved) {
+  if (resolved.scenario.localisation) {
+    CheckPlaceViews(resolved);
+    return;
+  }
   const SimulationOptions options = SimulationOptionsOf(resolved.scenario);
   CheckSimulation(resolved.robot, resolved.place, options, resolved.scenario.seed);
   if (ActsOnBody(resolved.scenario)) CheckHeadScan(resolved.robot, options);
