@@ -21,8 +21,8 @@ using internal::JpegUri;
 using internal::ThreeDigits;
 
 constexpr std::string_view kStyle = R"css(
-.places th.group { border-bottom: 0; padding-bottom: 0; }
 .places td.number { font-weight: 500; }
+.places thead th + th { text-align: right; padding-right: .4rem; }
 .places td.best { font-weight: 700; }
 .places td small { color: var(--muted); font-weight: 400; }
 .example { margin-top: .75rem; }
@@ -202,7 +202,8 @@ std::string PeakSection(const PlaceReportInput& input, const std::vector<std::st
   std::string html =
       "<h2>How clearly</h2>\n<p class=\"note\">Share of the field, in percent, where the interpolated similarity is "
       "above 90 % of its maximum; small: above 90 % of the way from its minimum to its maximum, and into how many "
-      "separate regions that area falls on average.</p>\n";
+      "separate regions that area falls on average. It says how sharp a peak is, not whether it is in the right "
+      "place.</p>\n";
   return html + Matrix(
                     input, conditions, false, [](const PlaceSummary& s) { return s.peak_area_ratio; },
                     [](const PlaceSummary& s) {

@@ -48,11 +48,14 @@ int RunCommand(const RunArguments& arguments, const CommonOptions& common) {
       scenario.localisation ? RunLocalisation(resolved, options) : RunScenario(resolved, options);
   const bool interrupted = outcome.status == "interrupted";
   if (!outcome.scores) {
+    const std::filesystem::path page = outcome.folder / "report.html";
+    const bool written = !scenario.localisation;  // places are scored when all are seen, not before
     const std::string line =
-        fmt::format("{} after {:.2f} s; {}; see {}", interrupted ? "interrupted" : "the walk " + outcome.status,
-                    outcome.end_time_s, outcome.no_scores_reason, (outcome.folder / "report.html").string());
+        fmt::format("{} after {:.2f} s; {}{}", interrupted ? "interrupted" : "the walk " + outcome.status,
+                    outcome.end_time_s, outcome.no_scores_reason, written ? "; see " + page.string() : "");
     if (!interrupted) throw TooLittleData(line);
     fmt::print(stderr, "gaitcam: {}\n", line);
+    if (!written) return 130;
   }
   if (common.json) {
     fmt::print("{}", ReadText(outcome.folder / "scores.json"));

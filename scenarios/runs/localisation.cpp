@@ -234,7 +234,7 @@ RunOutcome RunLocalisation(const ResolvedScenario& resolved, const RunOptions& o
   outcome.end_time_s = 1e-3 * MsSince(started);
   outcome.status = options.interrupted() ? "interrupted" : "finished";
   if (views.references.size() < views.grid.size() || views.queries.empty()) {
-    outcome.no_scores_reason = "not all places were seen";
+    outcome.no_scores_reason = "not all places were seen, and nothing was written";
     return outcome;
   }
 

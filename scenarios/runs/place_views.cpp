@@ -50,7 +50,7 @@ Place Relit(const Place& place, const std::string& change) {
 
 // ---- Poses
 
-/// How long a pace is within the field, where one may stand.
+/// Where views may be taken.
 bool IsWithin(const LocalisationOptions& options, const Vector2d& p) {
   const Vector2d half = 0.5 * options.field_m - Vector2d::Constant(options.margin_m);
   return ((p - options.centre_m).cwiseAbs() - half).maxCoeff() <= 0;
@@ -283,10 +283,10 @@ std::vector<std::string> PlaceConditions(const LocalisationOptions& options) {
 std::string PlaceConditionText(const std::string& condition) {
   if (condition == "plain") return "standing, as the references";
   if (condition == "light_moved") return "all lights turned by 90\u00b0 about the vertical";
-  if (condition == "light_dimmed") return "all light halved";
+  if (condition == "light_dimmed") return "all light halved, as display values: about a fifth of the light";
   if (condition == "light_coloured") return "all light turned orange";
   if (condition.starts_with("occlusion_")) return condition.substr(10) + " % of the view behind pasted robots";
-  return "filmed while walking, exposure " + condition.substr(5);
+  return "filmed while walking, exposure " + condition.substr(5, condition.size() - 7) + " ms";
 }
 
 PlaceGrid GridOf(const LocalisationOptions& options) {
