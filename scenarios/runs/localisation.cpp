@@ -181,17 +181,23 @@ std::vector<Score> ViewScores(const PlaceViews& views) {
   std::vector<Score> scores{
       {"references", double(views.references.size()), "", "panoramas of known places"},
       {"queries", double(views.queries.size()), "", "views of all conditions"},
-      {"panorama_frames_median", MedianOf(frames), "", "frames that a panorama is made of"},
-      {"panorama_seam_error_median_px", MedianOf(seams), "px", "of the panoramas' mean seam errors", Better::kLower},
+      {"panorama_frames_median", MedianOf(frames), "", "frames of a panorama, median"},
+      {"panorama_seam_error_median_px", MedianOf(seams), "px", "mean seam error of a panorama, median", Better::kLower},
       {"view_width_px", double(views.view_width_px), "px", "width of a view in the panorama's pixels"}};
   for (const PlaceQuery& q : views.queries) {
     if (q.covered_ratio > 0) covered.push_back(q.covered_ratio);
     if (q.condition.starts_with("walk_")) blur.push_back(q.blur_px);
   }
   if (!covered.empty())
-    scores.push_back({"occlusion_covered_median_ratio", MedianOf(covered), "", "of views with robots in the way"});
-  if (!blur.empty()) scores.push_back({"walk_blur_median_px", MedianOf(blur), "px", "blur of views while walking"});
+    scores.push_back(
+        {"occlusion_covered_median_ratio", MedianOf(covered), "", "share of a view behind pasted robots, median"});
+  if (!blur.empty())
+    scores.push_back({"walk_blur_median_px", MedianOf(blur), "px", "motion blur of views while walking, median"});
   return scores;
+}
+
+std::string WithUnit(const Score& score) {
+  return ScoreText(score.value) + (score.unit.empty() ? "" : " " + score.unit);
 }
 
 std::string ScoresFile(const Scores& scores, const PlaceViews& views, const std::string& status, uint64_t seed) {
@@ -216,6 +222,7 @@ PlaceReportInput ReportOf(const ResolvedScenario& resolved, const PlaceViews& vi
     report.conditions.emplace_back(condition, PlaceConditionText(condition));
   report.resolved_scenario = resolved.ToYaml();
   report.facts = RunFacts(s.seed);
+  for (const Score& score : ViewScores(views)) report.facts.emplace_back(score.meaning, WithUnit(score));
   return report;
 }
 
