@@ -7,7 +7,6 @@
 
 #include "algorithms/core/errors.h"
 #include "sim/egl_context.h"
-#include "sim/posture.h"
 #include "sim/renderer.h"
 #include "sim/walker.h"
 #include "sim/world.h"
