@@ -90,15 +90,20 @@ std::vector<Revisit> ReturnsOf(const Way& way, const PlaceGraph& graph, const st
   return returns;
 }
 
-/// A right loop was closed near the place, about when it was passed again.
+/// A right loop is worth one return: of those near it, the one whose place is nearest to where it was closed.
 void MarkFound(const Way& way, const std::vector<ClosedLoop>& loops, const std::vector<Vector2d>& nodes_m,
                const PlaceGraphScoreOptions& options, std::vector<Revisit>& revisits) {
-  for (Revisit& revisit : revisits) {
-    revisit.found = std::any_of(loops.begin(), loops.end(), [&](const ClosedLoop& loop) {
-      const double way_m = way.LengthAt(way.IndexAt(loop.stamp_ns));
-      return loop.right && std::abs(way_m - revisit.again_way_m) < 2 * options.same_place_m &&
-             (nodes_m[size_t(loop.to)] - revisit.at_m).norm() < 1.5 * options.same_place_m;
-    });
+  for (const ClosedLoop& loop : loops) {
+    const double way_m = way.LengthAt(way.IndexAt(loop.stamp_ns));
+    Revisit* nearest = nullptr;
+    for (Revisit& revisit : revisits) {
+      if (!loop.right || std::abs(way_m - revisit.again_way_m) > 2 * options.same_place_m ||
+          (nodes_m[size_t(loop.to)] - revisit.at_m).norm() > 1.5 * options.same_place_m) {
+        continue;
+      }
+      if (!nearest || (revisit.at_m - loop.at_m).norm() < (nearest->at_m - loop.at_m).norm()) nearest = &revisit;
+    }
+    if (nearest) nearest->found = true;
   }
 }
 

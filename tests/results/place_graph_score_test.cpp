@@ -71,6 +71,17 @@ TEST(PlaceGraphScore, ALoopToAPlaceFarAwayIsFalseAndFindsNothing) {
   EXPECT_NEAR(comparison.loops[0].distance_m, 2, 0.1);
 }
 
+TEST(PlaceGraphScore, OneLoopIsWorthOneCrossing) {
+  // Two crossings 0.8 m apart, at (1.8, 0) and at (1, 0); one loop between them.
+  PlaceGraph graph = Nodes({0, 14, 30});
+  const Trajectory truth = Along({{0, 0}, {3, 0}, {3, 1}, {1.8, 1}, {1.8, -0.4}, {1, -0.4}, {1, 1}});
+  graph.links.push_back({2, 1, true, 62 * kSecond});  // at (1.8, 0.0)
+  const PlaceGraphComparison comparison = ComparePlaceGraph(graph, truth);
+  EXPECT_EQ(Value(comparison, "loop_crossings"), 2);
+  EXPECT_EQ(Value(comparison, "loops_false"), 0);
+  EXPECT_EQ(Value(comparison, "loop_crossings_found"), 1);
+}
+
 TEST(PlaceGraphScore, LinksOfTheWayAreNoLoopsAndAStraightWayAsksForNone) {
   PlaceGraph graph = Nodes({0, 20});
   graph.links.push_back({0, 1, false, 20 * kSecond});
