@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "results/floor_score.h"
+#include "results/place_graph_score.h"
 
 namespace gaitcam {
 
@@ -26,10 +27,11 @@ std::vector<Score> ScoreCatalogue(const ScoreOptions& options) {
   return catalogue;
 }
 
-/// A map of nothing has all scores and no value.
+/// Maps of nothing have all scores and no value.
 std::vector<Score> MapScoreCatalogue() {
   const FloorTruth truth{cv::Mat(1, 1, CV_8UC1, cv::Scalar(0)), 1.0};
   std::vector<Score> catalogue = CompareFloor({}, truth, {}).scores;
+  for (const Score& score : ComparePlaceGraph({}, {StampedPose()}).scores) catalogue.push_back(score);
   for (Score& score : catalogue) score.value = std::numeric_limits<double>::quiet_NaN();
   return catalogue;
 }

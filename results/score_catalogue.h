@@ -12,7 +12,7 @@ namespace gaitcam {
 /// not among them.
 std::vector<Score> ScoreCatalogue(const ScoreOptions& options);
 
-/// The scores that a run has besides if its system maps the floor, without a value.
+/// The scores that a run has besides if its system maps the floor or places, without a value.
 std::vector<Score> MapScoreCatalogue();
 
 }  // namespace gaitcam

@@ -106,9 +106,12 @@ TEST_F(BaselineTest, EveryByteOfANumberCounts) {
   EXPECT_NE(BaselineToJson(a), BaselineToJson(b));
 }
 
-TEST(ScoreCatalogue, KnowsTheScoresOfAMap) {
+TEST(ScoreCatalogue, KnowsTheScoresOfMaps) {
+  int loops = 0;
   for (const Score& score : MapScoreCatalogue()) {
-    EXPECT_TRUE(score.name.starts_with("map_")) << score.name;
+    loops += score.name == "loops_false" && score.better == Better::kLower;
+    EXPECT_TRUE(score.name.starts_with("map_") || score.name.starts_with("place_") || score.name.starts_with("loop"))
+        << score.name;
     EXPECT_TRUE(std::isnan(score.value)) << score.name;
     if (score.name == "map_ncc") {
       EXPECT_EQ(score.better, Better::kHigher);
@@ -117,6 +120,7 @@ TEST(ScoreCatalogue, KnowsTheScoresOfAMap) {
       EXPECT_EQ(score.better, Better::kLower);
     }
   }
+  EXPECT_EQ(loops, 1);
   EXPECT_GE(MapScoreCatalogue().size(), 8u);
 }
 
