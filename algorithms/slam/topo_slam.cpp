@@ -213,14 +213,15 @@ void TopoSlam::Test(const Candidate& candidate, FrameEstimate& estimate) {
   const WaveletSignature& first = signature.shifts.front();
   estimate.features = first.columns() * first.bits_per_column();
   estimate.inliers = int(std::lround((1 - here.disagreement) * estimate.features));
-  if (here.similarity >= options_.loop.threshold) {  // step 2 of 4.5: still at the last node
-    SetHeading(BearingOf(here), candidate.heading_rad);
-    Forget();
-    return;
-  }
   for (int node = 0; node < int(map_.size()); ++node) {
     matches.push_back(Compare(signature, node, heading));
     similarity.push_back(matches.back().similarity);
+  }
+  const bool at_last = here.similarity >= options_.loop.threshold;  // step 2 of 4.5: still at the last node
+  if (at_last) SetHeading(BearingOf(here), candidate.heading_rad);
+  if (at_last && *std::max_element(similarity.begin(), similarity.end()) < options_.clearer * here.similarity) {
+    Forget();
+    return;
   }
   const LoopFilter::Belief belief = filter_.Update(similarity, last_, graph_.links);
   PlaceTest test;
@@ -231,7 +232,7 @@ void TopoSlam::Test(const Candidate& candidate, FrameEstimate& estimate) {
   if (belief.best >= 0) test.bearing_rad = BearingOf(matches[size_t(belief.best)]);
   test.view = view;
   graph_.tests.push_back(std::move(test));
-  Decide(belief.best, candidate.stamp_ns);
+  if (!at_last || belief.best >= 0) Decide(belief.best, candidate.stamp_ns);
 }
 
 void TopoSlam::Decide(int best, int64_t stamp_ns) {

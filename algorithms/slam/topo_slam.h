@@ -6,7 +6,7 @@
 ///
 /// Beyond the thesis: of the frames between two tests the steadiest is taken; it is laid onto the panorama's cylinder
 /// by gravity, as the camera sways; and what is to happen must be so in `persist` tests in a row, be it a new place or
-/// a loop.
+/// a loop; and a known place that fits clearly better than the last one is a loop though that one fits still.
 
 #pragma once
 
@@ -36,7 +36,10 @@ struct TopoSlamOptions {
   std::string steady = "gyro";  ///< Which frame of that time is tested.
   bool level_views = true;      ///< By gravity, as the IMU feels it; without one the standing camera's.
   double heading_window_deg =
-      45;           ///< A view lies so near to where the gyroscope says; 180: anywhere, as in the thesis.
+      45;  ///< A view lies so near to where the gyroscope says; 180: anywhere, as in the thesis.
+  /// A known place that fits so many times better than the last one, which may fit still, is tried as a loop; 1000:
+  /// never, as in the thesis.
+  double clearer = 1.2;
   int persist = 3;  ///< Tests in a row that must say the same.
   double rest_after_scan_s =
       2;  ///< The head looks ahead again before tests go on: so long, and until a foot is lifted.
@@ -56,6 +59,8 @@ void VisitFields(Visitor& visit, TopoSlamOptions& o) {
   visit("level_views", o.level_views, Nested(), "views are laid onto the cylinder by gravity");
   visit("heading_window_deg", o.heading_window_deg, Between(1.0, 180.0),
         "a view lies so near to the gyroscope's heading");
+  visit("clearer", o.clearer, Between(1.0, 1000.0),
+        "a place that fits so many times better than the last one is tried as a loop though that fits still");
   visit("persist", o.persist, Between(1, 1000), "tests in a row that must say the same");
   visit("rest_after_scan_s", o.rest_after_scan_s, Between(0.0, 60.0), "after a scan, until the head looks ahead again");
   visit("scan_patience_s", o.scan_patience_s, Between(1.0, 1e5), "a scan that takes longer failed");
