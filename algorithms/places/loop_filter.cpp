@@ -18,8 +18,11 @@ std::vector<double> LoopFilter::Predict(size_t states, const std::vector<PlaceLi
   std::vector<std::vector<size_t>> reach(states);  // where a state may go: it stays, or goes on to neighbours
   for (size_t i = 0; i < states; ++i) reach[i] = {i};
   for (const PlaceLink& link : links) {
-    reach[size_t(link.from) + 1].push_back(size_t(link.to) + 1);
-    reach[size_t(link.to) + 1].push_back(size_t(link.from) + 1);
+    const auto add = [&](size_t from, size_t to) {  // once, however often the way was gone
+      if (std::find(reach[from].begin(), reach[from].end(), to) == reach[from].end()) reach[from].push_back(to);
+    };
+    add(size_t(link.from) + 1, size_t(link.to) + 1);
+    add(size_t(link.to) + 1, size_t(link.from) + 1);
   }
   for (double& p : predicted) p *= options_.teleport;
   for (size_t i = 0; i < belief_.size(); ++i) {

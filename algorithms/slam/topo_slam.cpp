@@ -127,12 +127,9 @@ void TopoSlam::AddNode(Panorama panorama) {
   Forget();
 }
 
+/// Each time it recognises another place (step 4 of 4.5), also along a way that it has gone before.
 void TopoSlam::CloseLoop(int node, int64_t stamp_ns) {
-  const auto linked = [&](const PlaceLink& link) {
-    return (link.from == last_ && link.to == node) || (link.from == node && link.to == last_);
-  };
-  if (node != last_ && std::none_of(graph_.links.begin(), graph_.links.end(), linked))
-    graph_.links.push_back({last_, node, true, stamp_ns});
+  if (node != last_) graph_.links.push_back({last_, node, true, stamp_ns});
   last_ = node;
   Forget();
 }
