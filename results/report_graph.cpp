@@ -152,13 +152,12 @@ std::string LoopFigure(const ClosedLoop& loop, const PlaceTest& test, const Plac
       chosen < test.posterior.size() ? test.posterior[chosen] : 0.0);
 }
 
-/// Of each loop the test that decided it: the last one that named the place before the link was made.
+/// The test that closed a loop; a loop closed by a scan has none.
 const PlaceTest* DecidingTest(const PlaceGraph& graph, const ClosedLoop& loop) {
-  const PlaceTest* deciding = nullptr;
-  for (const PlaceTest& test : graph.tests) {
-    if (test.stamp_ns <= loop.stamp_ns && test.matched == loop.to) deciding = &test;
-  }
-  return deciding;
+  const auto test = std::find_if(graph.tests.begin(), graph.tests.end(), [&](const PlaceTest& t) {
+    return t.stamp_ns == loop.stamp_ns && t.matched == loop.to;
+  });
+  return test == graph.tests.end() ? nullptr : &*test;
 }
 
 double Value(const PlaceGraphComparison& comparison, const std::string& name) {

@@ -19,6 +19,12 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
+/// What a match about an expected pose says of the motion from the nearest picture that it was found in.
+FloorLoop LoopOf(int keyframe, const KnownFloor& nearest, const PlanarPose& expected, const FloorMatch& match) {
+  const PlanarPose matched = expected * PlanarPose{match.moved.head<2>(), match.moved[2]};
+  return {keyframe, nearest.step, nearest.pose.Inverse() * matched, match.correlation, match.covariance};
+}
+
 /// What the tracker says of a motion, and what no tracker is better than.
 Eigen::Matrix3d MotionCovariance(const FloorFilterOptions& options, double moved_m, const Eigen::Matrix3d& tracked) {
   const double least_m = options.drift_ratio * moved_m + 1e-5;
@@ -63,6 +69,10 @@ std::vector<KnownFloor> FloorFilter::FindKnown(const Particle& particle, const P
   return known;
 }
 
+bool FloorFilter::Agrees(const FloorMatch& match) const {
+  return match.mean_rho < WorstMeanRho() && match.correlation >= options_.min_correlation;
+}
+
 /// The tracked motion's Gaussian times the likelihood's.
 FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const PlanarPose& expected,
                                            const Eigen::Matrix3d& Q, const FloorPatch& patch) const {
@@ -76,7 +86,7 @@ FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const Plana
   if (!match) return proposal;
   proposal.points = match->points;
   proposal.log_likelihood = -0.5 * WorstMeanRho();
-  if (match->mean_rho >= WorstMeanRho() || match->correlation < options_.min_correlation) return proposal;
+  if (!Agrees(*match)) return proposal;
   proposal.log_likelihood = -0.5 * match->mean_rho;
   const Eigen::Matrix3d both = Q + match->covariance;
   const Eigen::Matrix3d gain = Q * both.inverse();  // as Kalman's
@@ -86,10 +96,7 @@ FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const Plana
   proposal.covariance = 0.5 * (rest + rest.transpose());
   proposal.log_prior = -0.5 * match->moved.dot(both.inverse() * match->moved) +
                        0.5 * std::log(match->covariance.determinant() / both.determinant());
-  const PlanarPose matched = expected * PlanarPose{match->moved.head<2>(), match->moved[2]};
-  const KnownFloor& nearest = pictures.front();
-  proposal.loop = FloorLoop{int(particle.path.size()), nearest.step, nearest.pose.Inverse() * matched,
-                            match->correlation, match->covariance};
+  proposal.loop = LoopOf(int(particle.path.size()), pictures.front(), expected, *match);
   return proposal;
 }
 
@@ -189,13 +196,8 @@ std::optional<FloorLoop> FloorFilter::Verify(const PlanarPose& expected, int key
   const std::vector<KnownFloor> pictures = FindKnown(Best(), expected, patch, {0, map_end});
   if (pictures.empty()) return std::nullopt;
   const std::optional<FloorMatch> match = MatchFloor(pictures, patch, expected, options_.match);
-  if (!match || match->points < 2 * options_.match.min_points || match->mean_rho >= WorstMeanRho() ||
-      match->correlation < options_.min_correlation) {
-    return std::nullopt;
-  }
-  const PlanarPose matched = expected * PlanarPose{match->moved.head<2>(), match->moved[2]};
-  const KnownFloor& nearest = pictures.front();
-  return FloorLoop{keyframe, nearest.step, nearest.pose.Inverse() * matched, match->correlation, match->covariance};
+  if (!match || match->points < 2 * options_.match.min_points || !Agrees(*match)) return std::nullopt;
+  return LoopOf(keyframe, pictures.front(), expected, *match);
 }
 
 /// Looks for the last piece in the map. Without an open joint, the way itself may have drifted farther than a

@@ -145,6 +145,7 @@ class FloorFilter {
   StepRange LongAgo() const;
   std::vector<KnownFloor> FindKnown(const Particle& particle, const PlanarPose& expected, const FloorPatch& patch,
                                     const StepRange& steps) const;
+  bool Agrees(const FloorMatch& match) const;
   Proposal Propose(const Particle& particle, const PlanarPose& expected, const Eigen::Matrix3d& Q,
                    const FloorPatch& patch) const;
   void Move(Particle& particle, const Proposal& proposal);

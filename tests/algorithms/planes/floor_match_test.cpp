@@ -73,7 +73,8 @@ TEST(FloorMatch, FindsAShiftOfTwoCentimetresAndTwoDegreesToAMillimetre) {
 TEST(FloorMatch, OtherFloorDoesNotAgreeAndUnknownFloorSaysNothing) {
   const FloorPatch earlier = Seen(DrawnFloor(1), {}), other = Seen(DrawnFloor(2), {}, 2);
   const std::optional<FloorMatch> match = MatchFloor({{&earlier, {}, 0}}, other, {}, {});
-  if (match) EXPECT_LT(match->correlation, 0.8);  // FloorFilterOptions::min_correlation
+  ASSERT_TRUE(match);
+  EXPECT_LT(match->correlation, 0.8);  // FloorFilterOptions::min_correlation
   EXPECT_FALSE(MatchFloor({{&earlier, {{5, 0}, 0}, 0}}, other, {}, {}));
 }
 
