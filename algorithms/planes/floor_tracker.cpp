@@ -146,19 +146,14 @@ FloorTracker::Rotation FloorTracker::Integrate(const Observation& observation) {
   return rotation;
 }
 
-/// Up as gravity has it: carried on by the gyroscope, drawn towards the support's direction.
 void FloorTracker::FollowGravity(const Observation& observation) {
   if (!options_.use_imu || observation.imu.empty() || calibration_.imu.rate_hz <= 0) return;
-  constexpr double kTime_s = 2.0;  // some steps long: swaying cancels out
-  if (!up_C_) up_C_ = calibration_.standing->up_C;
-  const double dt = 1 / calibration_.imu.rate_hz;
-  for (const ImuSample& sample : observation.imu) {
-    const Eigen::Quaterniond R_CI = calibration_.imu.X_CI.rotation;
-    *up_C_ = TurnBy(AngularRate(sample) * dt).conjugate() * *up_C_;
-    *up_C_ += dt / kTime_s * ((R_CI * sample.specific_force).normalized() - *up_C_);
-    up_C_->normalize();
-  }
+  if (!gravity_) gravity_.emplace(calibration_.imu, calibration_.standing->up_C);
+  gravity_->Add(observation.imu, gyro_bias_);
 }
+
+/// As gravity has it, or as the camera stands where nothing feels it.
+const Eigen::Vector3d& FloorTracker::UpC() const { return gravity_ ? gravity_->up_C() : calibration_.standing->up_C; }
 
 /// What lies on the floor, if all in view does, and not too far away.
 cv::Mat FloorTracker::FloorMask(const Pose& X_WC) const {
@@ -236,14 +231,14 @@ Pose FloorTracker::Corrected(const Pose& X_WC) const {
   const double height = X_WC.translation.z();
   const double better = height + options_.height_gain * (calibration_.standing->height_m - height);
   Eigen::Vector3d up_C = X_WC.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  if (up_C_) up_C = (up_C + options_.tilt_gain * (*up_C_ - up_C)).normalized();
+  if (gravity_) up_C = (up_C + options_.tilt_gain * (gravity_->up_C() - up_C)).normalized();
   return Upright(X_WC, up_C, better);
 }
 
 void FloorTracker::Start(const Observation& observation) {
   Pose level;  // looking along x: camera z to world x, camera x to world -y
   level.rotation = Eigen::Quaterniond((Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished());
-  const Eigen::Vector3d up_C = up_C_.value_or(calibration_.standing->up_C);
+  const Eigen::Vector3d up_C = UpC();
   X_WC_ = Upright(level, up_C, calibration_.standing->height_m);
   X_WC_ = BelowCamera(X_WC_).Inverse().Lifted() * X_WC_;
   MakeKeyframe(observation.stamp_ns, X_WC_, ExposureMotion::Zero(), {});
@@ -254,7 +249,7 @@ void FloorTracker::Restart(const Observation& observation, const Pose& X_WC, con
   constexpr double kSpeed_m_s = 0.3, kTurn_rad_s = 0.5, kGyroTurn_rad_s = 0.02;
   const double gone_s = double(observation.stamp_ns - tracked_ns_) * 1e-9;
   const double turn_rad_s = imu_.empty() ? kTurn_rad_s : kGyroTurn_rad_s;
-  const Pose upright = Upright(X_WC, up_C_.value_or(calibration_.standing->up_C), calibration_.standing->height_m);
+  const Pose upright = Upright(X_WC, UpC(), calibration_.standing->height_m);
   MakeKeyframe(observation.stamp_ns, upright, ExposureMotion::Zero(), rejected);
   const Eigen::Vector3d sigma = gone_s * Eigen::Vector3d(kSpeed_m_s, kSpeed_m_s, turn_rad_s);
   keyframe_->covariance = sigma.cwiseAbs2().asDiagonal();
@@ -279,7 +274,7 @@ FloorTrack FloorTracker::Accept(const PlaneAlignment& found, const CurrentBlur& 
 bool FloorTracker::IsPlausible(const FloorTrack& track) const {
   const StandingCamera& standing = *calibration_.standing;
   const Eigen::Vector3d up_C = track.X_WC.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  const double lean = std::acos(std::clamp(up_C.dot(up_C_.value_or(standing.up_C)), -1.0, 1.0));
+  const double lean = std::acos(std::clamp(up_C.dot(UpC()), -1.0, 1.0));
   return lean < options_.max_tilt_deg * kDegree &&
          std::abs(track.X_WC.translation.z() / standing.height_m - 1) < options_.max_height_ratio;
 }

@@ -14,6 +14,7 @@
 #include "algorithms/core/fields.h"
 #include "algorithms/core/observation.h"
 #include "algorithms/core/planar_pose.h"
+#include "algorithms/geometry/up_direction.h"
 #include "algorithms/planes/floor_regions.h"
 #include "algorithms/planes/plane_alignment.h"
 
@@ -133,6 +134,7 @@ class FloorTracker {
   void LearnBias(const Pose& X_CK);
   Rotation Integrate(const Observation& observation);
   void FollowGravity(const Observation& observation);
+  const Eigen::Vector3d& UpC() const;
   void Start(const Observation& observation);
   void Restart(const Observation& observation, const Pose& X_WC, const cv::Mat& rejected);
   FloorTrack Follow(const Observation& observation, const Rotation& turned);
@@ -163,7 +165,7 @@ class FloorTracker {
   std::vector<ImuSample> imu_;
   Eigen::Vector3d gyro_bias_ = Eigen::Vector3d::Zero();  ///< In the camera's frame, rad/s.
   double gyro_bias_sigma_ = 0.02;                        ///< Of each component.
-  std::optional<Eigen::Vector3d> up_C_;                  ///< As the IMU has it.
+  std::optional<UpDirection> gravity_;                   ///< Of robots with an IMU.
 };
 
 }  // namespace gaitcam

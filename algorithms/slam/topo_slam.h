@@ -17,9 +17,9 @@
 
 #include "algorithms/core/estimate.h"
 #include "algorithms/core/observation.h"
+#include "algorithms/geometry/up_direction.h"
 #include "algorithms/places/loop_filter.h"
 #include "algorithms/places/panorama.h"
-#include "algorithms/places/up_direction.h"
 #include "algorithms/places/wavelet_signature.h"
 
 namespace gaitcam {

@@ -10,7 +10,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
-#include "algorithms/places/up_direction.h"
+#include "algorithms/geometry/up_direction.h"
 #include "scenarios/runs/pasted_robots.h"
 #include "scenarios/runs/runner.h"
 #include "sim/standing_robot.h"

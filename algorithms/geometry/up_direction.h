@@ -17,10 +17,11 @@ class UpDirection {
   UpDirection(const ImuCalibration& imu, const Eigen::Vector3d& up_C, double time_s = 2.0);
 
   /// Samples in time order. Without an IMU nothing changes.
-  void Add(const std::vector<ImuSample>& samples);
+  /// @param gyro_bias_C of the angular rate, rad/s in the camera's frame, as far as it is known.
+  void Add(const std::vector<ImuSample>& samples, const Eigen::Vector3d& gyro_bias_C = Eigen::Vector3d::Zero());
   const Eigen::Vector3d& up_C() const { return up_C_; }
-  /// How far the camera has turned about the vertical since the first sample, rad, left positive; drifts with the
-  /// gyroscope's bias.
+  /// How far the camera has turned about the vertical since the first sample, rad, left positive; drifts with what
+  /// of the gyroscope's bias is not known.
   double heading_rad() const { return heading_rad_; }
 
  private:

@@ -1,4 +1,4 @@
-#include "algorithms/places/up_direction.h"
+#include "algorithms/geometry/up_direction.h"
 
 #include <Eigen/Geometry>
 
@@ -7,11 +7,11 @@ namespace gaitcam {
 UpDirection::UpDirection(const ImuCalibration& imu, const Eigen::Vector3d& up_C, double time_s)
     : imu_(imu), up_C_(up_C.normalized()), time_s_(time_s) {}
 
-void UpDirection::Add(const std::vector<ImuSample>& samples) {
+void UpDirection::Add(const std::vector<ImuSample>& samples, const Eigen::Vector3d& gyro_bias_C) {
   if (imu_.rate_hz <= 0) return;
   const double dt = 1 / imu_.rate_hz;
   for (const ImuSample& sample : samples) {
-    const Eigen::Vector3d turn = dt * (imu_.X_CI.rotation * sample.angular_rate);
+    const Eigen::Vector3d turn = dt * (imu_.X_CI.rotation * sample.angular_rate - gyro_bias_C);
     const double angle = turn.norm();
     heading_rad_ += turn.dot(up_C_);
     // A fixed direction turns the other way as seen from a frame that turns.
