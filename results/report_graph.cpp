@@ -30,6 +30,7 @@ constexpr std::string_view kStyle = R"css(
 .loops figure { margin: 0; padding: .6rem; background: var(--card); border: 1px solid var(--line); border-radius: 12px; }
 .loops .seen { display: flex; gap: .5rem; align-items: center; }
 .loops .seen img { display: block; height: 84px; width: auto; border-radius: 4px; }
+.loops .around { flex-direction: column; }
 .loops .seen img.panorama { flex: 1; min-width: 0; height: auto; }
 .loops svg { display: block; width: 100%; height: 92px; margin-top: .4rem; }
 .loops rect { fill: var(--sim3); }
@@ -114,6 +115,16 @@ cv::Mat WithWindow(const cv::Mat& panorama, const PlaceTest& test) {
   return picture;
 }
 
+/// A panorama as it would be from where the known one was made, its middle at `bearing_rad` there.
+cv::Mat Turned(const cv::Mat& panorama, double bearing_rad) {
+  const int width = panorama.cols, right = int(std::lround(-bearing_rad / (2 * std::numbers::pi) * width));
+  const int cut = ((-right % width) + width) % width;  // column that comes to the left border
+  if (cut == 0) return panorama;
+  cv::Mat turned;
+  cv::hconcat(panorama.colRange(cut, width), panorama.colRange(0, cut), turned);
+  return turned;
+}
+
 /// Posterior of the events, "no loop" first (as the thesis's Figs. 4.12 and 4.13).
 std::string Bars(const PlaceTest& test) {
   const size_t n = std::max<size_t>(1, test.posterior.size());
@@ -134,25 +145,32 @@ std::string Bars(const PlaceTest& test) {
 std::string LoopFigure(const ClosedLoop& loop, const PlaceTest& test, const PlaceGraph& graph) {
   constexpr int kViewPixels = 240, kPanoramaPixels = 900;
   const cv::Mat& panorama = graph.nodes[size_t(loop.to)].panorama;
+  const bool around = !panorama.empty() && test.view.cols == panorama.cols;
   std::string seen;
-  if (!test.view.empty()) {
+  if (around) {
+    seen += fmt::format("<img class=\"panorama\" alt=\"seen all around\" src=\"{}\">",
+                        JpegUri(Turned(test.view, test.bearing_rad), kPanoramaPixels));
+  } else if (!test.view.empty()) {
     seen += fmt::format("<img alt=\"view\" src=\"{}\">", JpegUri(test.view, kViewPixels));
   }
   if (!panorama.empty()) {
     seen += fmt::format("<img class=\"panorama\" alt=\"panorama of place {}\" src=\"{}\">", loop.to,
-                        JpegUri(WithWindow(panorama, test), kPanoramaPixels));
+                        JpegUri(around ? panorama : WithWindow(panorama, test), kPanoramaPixels));
   }
   const size_t chosen = size_t(test.matched + 1);
   return fmt::format(
-      "<figure><div class=\"seen\">{}</div>{}<figcaption><b>{} place {}</b> at {:.1f} s, {:.2f} m from it. Left: the "
-      "view; "
-      "right: the place&rsquo;s panorama with the view&rsquo;s window; below: the posterior of &ldquo;no loop&rdquo; "
-      "(grey) and of each place; the chosen one has {:.2f}.</figcaption></figure>\n",
-      seen, Bars(test), loop.right ? "Right:" : "False:", loop.to, double(loop.stamp_ns) * 1e-9, loop.distance_m,
+      "<figure><div class=\"seen{}\">{}</div>{}<figcaption><b>{} place {}</b> at {:.1f} s, {:.2f} m from it. {}; "
+      "below: "
+      "the posterior of &ldquo;no loop&rdquo; (grey) and of each place; the chosen one has "
+      "{:.2f}.</figcaption></figure>\n",
+      around ? " around" : "", seen, Bars(test), loop.right ? "Right:" : "False:", loop.to,
+      double(loop.stamp_ns) * 1e-9, loop.distance_m,
+      around ? "Above: what was seen all around, turned as it fits; then the place&rsquo;s panorama"
+             : "Left: the view; right: the place&rsquo;s panorama with the view&rsquo;s window",
       chosen < test.posterior.size() ? test.posterior[chosen] : 0.0);
 }
 
-/// The test that closed a loop; a loop closed by a scan has none.
+/// The test that closed a loop.
 const PlaceTest* DecidingTest(const PlaceGraph& graph, const ClosedLoop& loop) {
   const auto test = std::find_if(graph.tests.begin(), graph.tests.end(), [&](const PlaceTest& t) {
     return t.stamp_ns == loop.stamp_ns && t.matched == loop.to;

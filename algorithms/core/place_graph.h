@@ -27,8 +27,8 @@ struct PlaceTest {
   std::vector<double> likelihood;  ///< Of "no loop" first, then of each node; 0 for a node that was left out.
   std::vector<double> posterior;   ///< Likewise; sums to 1.
   int matched = -1;                ///< The node, or -1.
-  double bearing_rad = 0;          ///< Heading in the matched panorama; 0 is its middle, left is positive.
-  cv::Mat view;                    ///< CV_8UC1, what was compared.
+  double bearing_rad = 0;          ///< Of the view's middle in the matched panorama; 0 is its middle, left is positive.
+  cv::Mat view;                    ///< CV_8UC1, what was compared: a view, or a panorama as wide as the nodes'.
 };
 
 struct PlaceGraph {

@@ -31,14 +31,14 @@ std::vector<double> LoopFilter::Predict(size_t states, const std::vector<PlaceLi
   return predicted;
 }
 
-LoopFilter::Belief LoopFilter::Update(const std::vector<double>& similarity, int left_out,
+LoopFilter::Belief LoopFilter::Update(const std::vector<double>& similarity, const std::vector<bool>& left_out,
                                       const std::vector<PlaceLink>& links) {
   const size_t states = similarity.size() + 1;
-  GAITCAM_ASSERT(belief_.size() <= states && left_out < int(similarity.size()));
+  GAITCAM_ASSERT(belief_.size() <= states && left_out.size() == similarity.size());
   Belief belief;
   belief.likelihood = {options_.likelihood == "similarity" ? options_.threshold : 1.0};
-  for (const double value : similarity) belief.likelihood.push_back(Likelihood(value));
-  if (left_out >= 0) belief.likelihood[size_t(left_out) + 1] = 0;
+  for (size_t i = 0; i < similarity.size(); ++i)
+    belief.likelihood.push_back(left_out[i] ? 0 : Likelihood(similarity[i]));
   belief.posterior = Predict(states, links);
   double sum = 0;
   for (size_t i = 0; i < states; ++i) sum += belief.posterior[i] *= belief.likelihood[i];

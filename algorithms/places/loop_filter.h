@@ -1,7 +1,8 @@
 /// Has the robot come back to a place it knows? A discrete Bayes filter over the nodes of the map and the event "none
 /// of them" (thesis 4.5, Eqs. 4.5-4.6).
 ///
-/// State 0 is "no loop", the thesis's -1; state i + 1 is node i. The node visited last is left out. One number, the
+/// State 0 is "no loop", the thesis's -1; state i + 1 is node i. The node visited last is left out, and others may be,
+/// as where the robot cannot have come. One number, the
 /// threshold, is both what a view must reach to show the last node still, and the likelihood of "no loop".
 ///
 /// Likelihood, by `likelihood`:
@@ -28,7 +29,7 @@ namespace gaitcam {
 
 struct LoopFilterOptions {
   using DescribedTag = void;
-  double threshold = 1.85;  ///< Of similarity, 1 being a coin toss's (SimilarityOf).
+  double threshold = 2.1;  ///< Of similarity, 1 being a coin toss's (SimilarityOf).
   std::string likelihood = "bits";
   double sharpness = 60;
   std::string transition = "neighbours";
@@ -54,9 +55,10 @@ class LoopFilter {
     int best = -1;                   ///< Eq. 4.5: the most probable node, or -1.
   };
 
-  /// One step of Eq. 4.6. @param similarity of each node; there may be more nodes than before. @param left_out the node
-  /// visited last, or -1. @param links between nodes.
-  Belief Update(const std::vector<double>& similarity, int left_out, const std::vector<PlaceLink>& links);
+  /// One step of Eq. 4.6. @param similarity of each node; there may be more nodes than before. @param left_out of each
+  /// node, whether it cannot be. @param links between nodes. @pre as many of both; no fewer than before.
+  Belief Update(const std::vector<double>& similarity, const std::vector<bool>& left_out,
+                const std::vector<PlaceLink>& links);
   /// Forgets: before the next step nothing is known.
   void Reset() { belief_.clear(); }
 

@@ -22,6 +22,7 @@ TopoSlam::TopoSlam(const Calibration& calibration, const TopoSlamOptions& option
       encoder_(options.height_px, options.wavelet),
       map_(options.wavelet),
       filter_(options.loop),
+      imu_rotation_(calibration.imu.X_CI.rotation),
       knows_heading_(calibration.imu.rate_hz > 0) {
   CheckFields(options, "topo_slam.");
   // Says at once what every view would.
@@ -31,7 +32,8 @@ TopoSlam::TopoSlam(const Calibration& calibration, const TopoSlamOptions& option
 FrameEstimate TopoSlam::Track(const Observation& observation) {
   FrameEstimate estimate;
   estimate.stamp_ns = observation.stamp_ns;
-  up_.Add(observation.imu);
+  up_.Add(observation.imu, imu_rotation_ * gyro_bias_.bias());
+  if (!observation.scan && !builder_) steps_.Add(observation.joints, heading_rad());
   if (wants_scan_ || observation.scan) {
     FollowScan(observation);
     return estimate;
@@ -59,6 +61,7 @@ void TopoSlam::FollowScan(const Observation& observation) {
     asked_heading_rad_ = heading_rad();
   }
   if (observation.scan) {
+    gyro_bias_.Stand(observation.imu);
     if (!wants_scan_) {  // the rest of a scan that has shown all
       scanned_ns_ = observation.stamp_ns;
       return;
@@ -85,30 +88,51 @@ double TopoSlam::HeadingAtScan(double pan_rad) const {
 }
 
 void TopoSlam::EndScan() {
+  gyro_bias_.Learn();
   Panorama panorama = builder_->Finish();
-  const int known = KnownPlace(panorama.image);
-  if (known < 0) {
-    AddNode(std::move(panorama));
-  } else {
-    CloseLoop(known, scan_began_ns_);
-  }
+  here_.reset();
   heading_is_old_ = true;
+  if (const std::optional<KnownPlace> known = Recognise(panorama.image)) {
+    CloseLoop(known->node, scan_began_ns_);
+    LookFrom(panorama.image, node_heading_rad_[size_t(known->node)] + known->bearing_rad);
+  } else {
+    AddNode(std::move(panorama));
+  }
   builder_.reset();
   wants_scan_ = false;
   wanted_ns_ = -1;
 }
 
-/// The node that a panorama shows, turned as it may be, or -1.
-int TopoSlam::KnownPlace(const cv::Mat& panorama) const {
-  if (map_.size() == 0) return -1;
-  // As a view that sees all around; some of it twice, as sub-shifts drop the first pixels.
-  cv::Mat round;
-  cv::hconcat(panorama, panorama.colRange(0, std::min(panorama.cols, options_.wavelet.square_px())), round);
-  const std::vector<WaveletMatch> matches = map_.Query(encoder_.OfView(round));
-  const auto best = std::max_element(matches.begin(), matches.end(), [](const WaveletMatch& a, const WaveletMatch& b) {
-    return a.similarity < b.similarity;
-  });
-  return best->similarity > options_.same_place ? int(best - matches.begin()) : -1;
+/// The node that a panorama shows, turned as it may be: rather another one than the last. It says as much as all of its
+/// views, so that nothing that was believed before counts beside it.
+std::optional<TopoSlam::KnownPlace> TopoSlam::Recognise(const cv::Mat& panorama) {
+  if (map_.size() == 0) return std::nullopt;
+  const PanoramaSectors sectors = SectorsOf(encoder_, panorama, projection_.width_px());
+  const std::vector<PanoramaMatch> matches = MatchPanorama(map_, sectors, options_.sector_slack_deg);
+  std::vector<double> similarity;
+  for (const PanoramaMatch& match : matches) similarity.push_back(match.similarity);
+  LoopFilterOptions all_around = options_.loop;
+  all_around.threshold = options_.same_place;
+  all_around.sharpness *= double(sectors.views.size());
+  const LoopFilter::Belief belief = LoopFilter(all_around).Update(similarity, LeftOut(), graph_.links);
+  const bool still_there = belief.best < 0 && similarity[size_t(last_)] > options_.same_place;
+  const int node = still_there ? last_ : belief.best;
+  const double bearing_rad = node < 0 ? 0 : -matches[size_t(node)].turn_px / layout_.px_per_rad();
+  Record(belief, scan_began_ns_, std::remainder(bearing_rad, 2 * std::numbers::pi), panorama);
+  if (node < 0) return std::nullopt;
+  return KnownPlace{node, bearing_rad};
+}
+
+void TopoSlam::Record(const LoopFilter::Belief& belief, int64_t stamp_ns, double bearing_rad, const cv::Mat& view) {
+  graph_.tests.push_back({stamp_ns, belief.likelihood, belief.posterior, belief.best, bearing_rad, view});
+}
+
+/// From now on views are compared with what was seen here, a step aside of a known place: else the robot would look
+/// around again at once. @param ahead_rad heading of the panorama's middle.
+void TopoSlam::LookFrom(const cv::Mat& panorama, double ahead_rad) {
+  here_ = Here{WaveletMap(options_.wavelet), ahead_rad};
+  here_->map.Add(encoder_.OfPanorama(panorama));
+  heading_offset_rad_ += std::remainder(ahead_rad - ahead_rad_, 2 * std::numbers::pi);
 }
 
 void TopoSlam::AddNode(Panorama panorama) {
@@ -119,6 +143,7 @@ void TopoSlam::AddNode(Panorama panorama) {
   node.panorama = panorama.image;
   graph_.nodes.push_back(node);
   node_heading_rad_.push_back(ahead_rad_);
+  reckoned_.push_back({steps_.position(), steps_.steps()});
   panorama.image.release();
   stitches_.push_back(panorama);
   const int added = int(graph_.nodes.size()) - 1;
@@ -131,6 +156,9 @@ void TopoSlam::AddNode(Panorama panorama) {
 void TopoSlam::CloseLoop(int node, int64_t stamp_ns) {
   if (node != last_) graph_.links.push_back({last_, node, true, stamp_ns});
   last_ = node;
+  here_.reset();
+  steps_.SetPosition(reckoned_[size_t(node)].position);
+  reckoned_[size_t(node)].visited = steps_.steps();
   Forget();
 }
 
@@ -177,13 +205,36 @@ void TopoSlam::Collect(const Observation& observation) {
   candidate_ = Candidate{observation.image.pixels.clone(), up_.up_C(), observation.stamp_ns, unrest, up_.heading_rad()};
 }
 
-WaveletMatch TopoSlam::Compare(const WaveletView& view, int node, double heading_rad) const {
-  if (!knows_heading_ || options_.heading_window_deg >= 180) return map_.Query(view, size_t(node));
-  const double middle = layout_.ColumnOf(heading_rad - node_heading_rad_[size_t(node)]);
-  const double tolerance_rad = options_.heading_window_deg * std::numbers::pi / 180;
-  return map_.Query(view, size_t(node),
-                    WaveletWindow{middle - 0.5 * (view.width_px - 1), tolerance_rad * layout_.px_per_rad()});
+/// Nodes that the robot cannot be at: the last one, which no longer fits, and those that it has not come to by its
+/// steps.
+std::vector<bool> TopoSlam::LeftOut() const {
+  std::vector<bool> left_out(map_.size());
+  for (size_t node = 0; node < map_.size(); ++node) {
+    const Reckoned& there = reckoned_[node];
+    const double reach = options_.place_steps + options_.step_error * (steps_.steps() - there.visited);
+    left_out[node] = int(node) == last_ || (steps_.position() - there.position).norm() > reach;
+  }
+  return left_out;
 }
+
+/// @param ahead_rad heading of the middle of the place's panorama; @param heading_rad of the view's.
+WaveletMatch TopoSlam::Compare(const WaveletView& view, const WaveletMap& map, int place, double ahead_rad,
+                               double heading_rad) const {
+  if (!knows_heading_ || options_.heading_window_deg >= 180) return map.Query(view, size_t(place));
+  const double middle = layout_.ColumnOf(heading_rad - ahead_rad);
+  const double tolerance_rad = options_.heading_window_deg * std::numbers::pi / 180;
+  return map.Query(view, size_t(place),
+                   WaveletWindow{middle - 0.5 * (view.width_px - 1), tolerance_rad * layout_.px_per_rad()});
+}
+
+/// With the place that was seen all around, or recognised, last.
+WaveletMatch TopoSlam::CompareHere(const WaveletView& view, double heading_rad) const {
+  const WaveletMap& map = here_ ? here_->map : map_;
+  const int place = here_ ? 0 : last_;
+  return heading_is_old_ ? map.Query(view, size_t(place)) : Compare(view, map, place, AheadHere(), heading_rad);
+}
+
+double TopoSlam::AheadHere() const { return here_ ? here_->ahead_rad : node_heading_rad_[size_t(last_)]; }
 
 double TopoSlam::BearingOf(const WaveletMatch& match) const {
   const double middle = match.left_px + 0.5 * (projection_.width_px() - 1);
@@ -193,7 +244,7 @@ double TopoSlam::BearingOf(const WaveletMatch& match) const {
 /// By what the last place shows. Away from where it was scanned bearings err, now to one side, now to the other.
 void TopoSlam::SetHeading(double bearing_rad, double turned_rad) {
   constexpr double kGain = 0.2;
-  const double seen = node_heading_rad_[size_t(last_)] + bearing_rad;
+  const double seen = AheadHere() + bearing_rad;
   const double error = std::remainder(seen - (turned_rad + heading_offset_rad_), 2 * std::numbers::pi);
   heading_offset_rad_ += (heading_is_old_ ? 1 : kGain) * error;
   heading_is_old_ = false;
@@ -206,29 +257,25 @@ void TopoSlam::Test(const Candidate& candidate, FrameEstimate& estimate) {
   const double heading = candidate.heading_rad + heading_offset_rad_;
   std::vector<WaveletMatch> matches;
   std::vector<double> similarity;
-  const WaveletMatch here = heading_is_old_ ? map_.Query(signature, size_t(last_)) : Compare(signature, last_, heading);
+  const WaveletMatch here = CompareHere(signature, heading);
   const WaveletSignature& first = signature.shifts.front();
   estimate.features = first.columns() * first.bits_per_column();
   estimate.inliers = int(std::lround((1 - here.disagreement) * estimate.features));
   for (int node = 0; node < int(map_.size()); ++node) {
-    matches.push_back(Compare(signature, node, heading));
+    matches.push_back(Compare(signature, map_, node, node_heading_rad_[size_t(node)], heading));
     similarity.push_back(matches.back().similarity);
   }
+  const std::vector<bool> left_out = LeftOut();
+  double most = 0;
+  for (size_t node = 0; node < map_.size(); ++node) most = left_out[node] ? most : std::max(most, similarity[node]);
   const bool at_last = here.similarity >= options_.loop.threshold;  // step 2 of 4.5: still at the last node
   if (at_last) SetHeading(BearingOf(here), candidate.heading_rad);
-  if (at_last && *std::max_element(similarity.begin(), similarity.end()) < options_.clearer * here.similarity) {
+  if (at_last && most < options_.clearer * here.similarity) {
     Forget();
     return;
   }
-  const LoopFilter::Belief belief = filter_.Update(similarity, last_, graph_.links);
-  PlaceTest test;
-  test.stamp_ns = candidate.stamp_ns;
-  test.likelihood = belief.likelihood;
-  test.posterior = belief.posterior;
-  test.matched = belief.best;
-  if (belief.best >= 0) test.bearing_rad = BearingOf(matches[size_t(belief.best)]);
-  test.view = view;
-  graph_.tests.push_back(std::move(test));
+  const LoopFilter::Belief belief = filter_.Update(similarity, left_out, graph_.links);
+  Record(belief, candidate.stamp_ns, belief.best < 0 ? 0 : BearingOf(matches[size_t(belief.best)]), view);
   if (!at_last || belief.best >= 0) Decide(belief.best, candidate.stamp_ns);
 }
 
@@ -238,7 +285,7 @@ void TopoSlam::Decide(int best, int64_t stamp_ns) {
   if (streak_ < options_.persist) return;
   streak_ = 0;
   streak_best_ = -2;
-  if (best < 0) {
+  if (best < 0 || options_.look_around) {
     wants_scan_ = true;
   } else {
     CloseLoop(best, stamp_ns);

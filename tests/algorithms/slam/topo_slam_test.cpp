@@ -30,8 +30,20 @@ Calibration Ers7() {
 /// Serves a system's requests; everything takes as many frames as it takes.
 class Walk {
  public:
-  explicit Walk(System& system) : system_(system) {
-    for (uint64_t seed = 1; seed <= 4; ++seed) rooms_.emplace_back(seed);
+  explicit Walk(System& system, const std::vector<uint64_t>& rooms = {1, 2, 3, 4}) : system_(system) {
+    for (const uint64_t seed : rooms) rooms_.emplace_back(seed);
+  }
+
+  /// Its feet are felt: so many steps straight ahead before the next frame.
+  void Step(int steps) {
+    for (int k = 0; k < steps; ++k) {
+      left_ = !left_;
+      JointSample sample;
+      sample.stamp_ns = stamp_ns_ + 1'000'000 * (k + 1);
+      sample.left_contact = left_;
+      sample.right_contact = !left_;
+      joints_.push_back(sample);
+    }
   }
 
   /// Stands in a room, looking to and fro, for `frames`, not counting scans.
@@ -56,6 +68,7 @@ class Walk {
     observation.stamp_ns = stamp_ns_ += 100'000'000;
     observation.image = {stamp_ns_, rooms_[room].View(Ers7Camera(), UpOf(4), yaw)};
     observation.scan = scan;
+    observation.joints.swap(joints_);
     const FrameEstimate estimate = system_.Track(observation);
     EXPECT_EQ(estimate.stamp_ns, stamp_ns_);
     EXPECT_FALSE(estimate.pose);
@@ -66,14 +79,18 @@ class Walk {
   System& system_;
   std::vector<CylinderWorld> rooms_;
   int64_t stamp_ns_ = 0;
+  bool left_ = false;
+  std::vector<JointSample> joints_;
 };
 
 std::unique_ptr<System> Make(const SystemSettings& settings = {}) {
   return MakeSystem("topo_slam", SystemSetup{Ers7(), 1, settings});
 }
 
-TEST(TopoSlam, AddsANodeForEachRoomAndClosesTheLoopWhenItIsBack) {
-  const auto system = Make();
+class TopoSlamLoops : public testing::TestWithParam<bool> {};
+
+TEST_P(TopoSlamLoops, AddsANodeForEachRoomAndClosesTheLoopWhenItIsBack) {
+  const auto system = Make({{"look_around", GetParam()}});
   EXPECT_TRUE(system->Acts());
   EXPECT_EQ(system->Request(), BodyRequest::kScan);  // its first frame is at a new place
   Walk walk(*system);
@@ -96,6 +113,15 @@ TEST(TopoSlam, AddsANodeForEachRoomAndClosesTheLoopWhenItIsBack) {
   ASSERT_FALSE(graph.tests.empty());
   bool loop_seen = false;
   for (const PlaceTest& test : graph.tests) {
+    const bool all_around = test.view.cols == 720;
+    // What decided: a panorama where it looks around, else a view.
+    if (test.matched >= 0 && test.stamp_ns == graph.links[2].stamp_ns) {
+      EXPECT_EQ(all_around, GetParam());
+    }
+    if (all_around && test.matched >= 0) {
+      EXPECT_NEAR(test.bearing_rad, 0, 1 * kDeg);
+      continue;
+    }
     EXPECT_EQ(test.likelihood.size(), test.posterior.size());
     EXPECT_NEAR(std::accumulate(test.posterior.begin(), test.posterior.end(), 0.0), 1, 1e-9);
     if (test.matched != 0) continue;
@@ -104,6 +130,47 @@ TEST(TopoSlam, AddsANodeForEachRoomAndClosesTheLoopWhenItIsBack) {
     EXPECT_NEAR(test.bearing_rad, 20 * kDeg, 5 * kDeg);
   }
   EXPECT_TRUE(loop_seen);
+}
+INSTANTIATE_TEST_SUITE_P(, TopoSlamLoops, testing::Bool(),
+                         [](const auto& info) { return info.param ? "ByLookingAround" : "ByAView"; });
+
+TEST(TopoSlam, RoomsThatLookTheSameAreToldApartByTheWayThere) {
+  for (const int steps : {5, 200}) {
+    const auto system = Make();
+    Walk walk(*system, {1, 2, 1});
+    walk.Stay(0, 30);
+    for (const size_t room : {1, 2}) {
+      walk.Step(steps);
+      walk.Stay(room, 40);
+    }
+    // 10 steps from the first room it may be back in it; 400 steps from it it is somewhere else.
+    const PlaceGraph graph = *system->Places();
+    EXPECT_EQ(graph.nodes.size(), steps == 5 ? 2u : 3u);
+    ASSERT_EQ(graph.links.size(), 2u);
+    EXPECT_EQ(graph.links[1].loop, steps == 5);
+  }
+}
+
+TEST(TopoSlam, AStandingRobotLearnsItsGyroscopesBias) {
+  Calibration calibration = Ers7();
+  calibration.imu.rate_hz = 100;
+  TopoSlam slam(calibration, {});
+  const CylinderWorld room(1);
+  double heading_before = 0;
+  for (int frame = 0; frame < 200; ++frame) {
+    Observation observation;
+    observation.stamp_ns = frame * 100'000'000LL;
+    const double pan = frame < 40 ? (180 - 9.5 * frame) * kDeg : 0;
+    observation.image = {observation.stamp_ns, room.View(Ers7Camera(), UpOf(4), pan)};
+    if (frame < 40) observation.scan = ScanState{pan, 0};
+    for (int k = 0; k < 10; ++k)  // 1 degree per second
+      observation.imu.push_back({observation.stamp_ns + k * 10'000'000LL, 1 * kDeg * UpOf(4), 9.81 * UpOf(4)});
+    slam.Track(observation);
+    if (frame == 80) heading_before = slam.heading_rad();
+  }
+  EXPECT_FALSE(slam.wants_scan());
+  // 12 s later, 12 degrees if it were not known; a view of where it stands is found to a degree or so.
+  EXPECT_NEAR(slam.heading_rad(), heading_before, 1 * kDeg);
 }
 
 TEST(TopoSlam, DoesNotMindATurnBetweenTwoHalfScans) {

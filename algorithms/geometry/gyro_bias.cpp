@@ -1,0 +1,28 @@
+#include "algorithms/geometry/gyro_bias.h"
+
+#include <numbers>
+
+namespace gaitcam {
+namespace {
+
+constexpr double kFastest = 3 * std::numbers::pi / 180;  ///< rad/s; ten times the bias of a cheap one.
+constexpr int kFewest = 100;                             ///< Samples: half a second, at the least.
+
+}  // namespace
+
+void GyroBias::Stand(const std::vector<ImuSample>& samples) {
+  for (const ImuSample& sample : samples) {
+    ++seen_;
+    if ((sample.angular_rate - bias_).norm() > kFastest) continue;
+    sum_ += sample.angular_rate;
+    ++counted_;
+  }
+}
+
+void GyroBias::Learn() {
+  if (counted_ >= kFewest && 2 * counted_ > seen_) bias_ = sum_ / counted_;
+  sum_.setZero();
+  counted_ = seen_ = 0;
+}
+
+}  // namespace gaitcam
