@@ -201,10 +201,12 @@ std::string PlaceSection(const PlaceGraphComparison& comparison, const PlaceGrap
   size_t count = 0;
   for (const ClosedLoop& loop : comparison.loops) {
     const PlaceTest* test = DecidingTest(graph, loop);
-    if (!test || count++ == kMostLoops) continue;
+    if (!test || count++ >= kMostLoops) continue;
     figures += LoopFigure(loop, *test, graph);
   }
-  if (!figures.empty()) html += "<h2>What closed the loops</h2>\n<div class=\"loops\">\n" + figures + "</div>\n";
+  if (figures.empty()) return html;
+  const std::string most = count > kMostLoops ? fmt::format(" (the first {} of {})", kMostLoops, count) : "";
+  html += fmt::format("<h2>What closed the loops{}</h2>\n<div class=\"loops\">\n{}</div>\n", most, figures);
   return html;
 }
 
