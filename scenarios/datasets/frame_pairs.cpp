@@ -27,9 +27,9 @@ std::string HomographyText(const Eigen::Matrix3d& H) {
   return text;
 }
 
-std::string PointsText(const std::vector<PointPair>& points) {
+std::string PointsText(const std::vector<TruePointPair>& points) {
   std::string text = "#a_x_px,a_y_px,b_x_px,b_y_px,X_m,Y_m,Z_m,floor\n";
-  for (const PointPair& p : points) {
+  for (const TruePointPair& p : points) {
     for (const double number : {p.a.x(), p.a.y(), p.b.x(), p.b.y(), p.p_W.x(), p.p_W.y(), p.p_W.z()})
       text += ExactText(number) + ",";
     text += p.on_floor ? "1\n" : "0\n";
@@ -62,15 +62,16 @@ std::string WritePair(const RecordedWalk& walk, size_t a, size_t b, const PairOp
     Copy(frame->sharp, folder / fmt::format("{}_sharp.png", letter));
     Copy(frame->blur, folder / fmt::format("{}_blur.png", letter));
   }
-  const std::vector<PointPair> points = MatchPoints(walk.calibration.camera, frame_a.X_WC, ReadTrueDepth(walk, frame_a),
-                                                    frame_b.X_WC, ReadTrueDepth(walk, frame_b), options.points);
+  const std::vector<TruePointPair> points =
+      MatchPoints(walk.calibration.camera, frame_a.X_WC, ReadTrueDepth(walk, frame_a), frame_b.X_WC,
+                  ReadTrueDepth(walk, frame_b), options.points);
   WriteWholeFile(folder / "H_floor.txt",
                  HomographyText(FloorHomography(walk.calibration.camera, frame_a.X_WC, frame_b.X_WC)));
   WriteWholeFile(folder / "points.csv", PointsText(points));
   WriteWholeFile(folder / "pair.txt", "# image frame stamp_ns blur_median_px X_WC: x y z qx qy qz qw\n" +
                                           FrameText("a", a, frame_a) + FrameText("b", b, frame_b));
   int on_floor = 0;
-  for (const PointPair& p : points) on_floor += p.on_floor;
+  for (const TruePointPair& p : points) on_floor += p.on_floor;
   return fmt::format("{},{},{},{},{},{:.3f},{:.3f},{},{}\n", name, a, b, frame_a.stamp_ns, frame_b.stamp_ns,
                      frame_a.blur_median_px, frame_b.blur_median_px, points.size(), on_floor);
 }
@@ -86,12 +87,12 @@ Eigen::Matrix3d FloorHomography(const CameraModel& camera, const Pose& X_WA, con
   return H / H(2, 2);
 }
 
-std::vector<PointPair> MatchPoints(const CameraModel& camera, const Pose& X_WA, const cv::Mat& depth_a,
-                                   const Pose& X_WB, const cv::Mat& depth_b, int wanted) {
+std::vector<TruePointPair> MatchPoints(const CameraModel& camera, const Pose& X_WA, const cv::Mat& depth_a,
+                                       const Pose& X_WB, const cv::Mat& depth_b, int wanted) {
   const Pose X_BW = X_WB.Inverse();
   const double pixels = double(depth_a.cols) * depth_a.rows;
   const int step = std::max(1, int(std::floor(std::sqrt(pixels / wanted))));
-  std::vector<PointPair> points;
+  std::vector<TruePointPair> points;
   for (int y = step / 2; y < depth_a.rows; y += step) {
     for (int x = step / 2; x < depth_a.cols; x += step) {
       const Eigen::Vector2d a(x, y);

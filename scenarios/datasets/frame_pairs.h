@@ -41,7 +41,7 @@ void VisitFields(Visitor& visit, PairOptions& o) {
 }
 
 /// A point seen in both frames.
-struct PointPair {
+struct TruePointPair {
   Eigen::Vector2d a, b;  ///< px of the images as they are.
   Eigen::Vector3d p_W;   ///< m
   bool on_floor = false;
@@ -54,8 +54,8 @@ Eigen::Matrix3d FloorHomography(const CameraModel& camera, const Pose& X_WA, con
 
 /// Points on a grid of pixels of a, taken into space by its depth and into b by its pose; kept where b's own depth says
 /// that this point is what is seen there (to 1 %).
-std::vector<PointPair> MatchPoints(const CameraModel& camera, const Pose& X_WA, const cv::Mat& depth_a,
-                                   const Pose& X_WB, const cv::Mat& depth_b, int wanted);
+std::vector<TruePointPair> MatchPoints(const CameraModel& camera, const Pose& X_WA, const cv::Mat& depth_a,
+                                       const Pose& X_WB, const cv::Mat& depth_b, int wanted);
 
 /// Writes TRUTH/pairs. @returns how many pairs. @throws BadInput if the recording has no truth images;
 /// MissingResource.

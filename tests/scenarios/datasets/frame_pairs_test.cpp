@@ -89,13 +89,13 @@ TEST(FramePairs, PointsAreSeenInBothFramesAndLookAlike) {
   const TemporaryFolder temporary;
   const RecordedWalk walk = ReadRecordedWalk(RecordTinyWalk(temporary.path(), "tum", {"camera.exposure_ms=0"}));
   const RecordedFrame &a = walk.frames[10], &b = walk.frames[13];
-  const std::vector<PointPair> points =
+  const std::vector<TruePointPair> points =
       MatchPoints(walk.calibration.camera, a.X_WC, ReadTrueDepth(walk, a), b.X_WC, ReadTrueDepth(walk, b), 2000);
   ASSERT_GT(points.size(), 300u);
   const cv::Mat sharp_a = ReadImage(a.sharp, ""), sharp_b = ReadImage(b.sharp, "");
   // Most points show the same colour in both sharp twins, to a few grey levels: they are interpolated, and edges alias.
   size_t alike = 0, on_floor = 0;
-  for (const PointPair& p : points) {
+  for (const TruePointPair& p : points) {
     const auto in_a = sharp_a.at<cv::Vec3b>(int(p.a.y()), int(p.a.x()));
     const auto in_b = sharp_b.at<cv::Vec3b>(int(std::lround(p.b.y())), int(std::lround(p.b.x())));
     alike += cv::norm(cv::Vec3d(in_a) - cv::Vec3d(in_b)) < 40;
@@ -113,7 +113,7 @@ TEST(FramePairs, APointBehindSomethingIsNotMatched) {
   with_box(cv::Rect(0, 0, 32, 48)) = 1;  // something stands before the left half
   const Pose here;
   EXPECT_GT(MatchPoints(camera, here, wall, here, wall, 500).size(), 300u);
-  for (const PointPair& p : MatchPoints(camera, here, wall, here, with_box, 500)) EXPECT_GE(p.b.x(), 31);
+  for (const TruePointPair& p : MatchPoints(camera, here, wall, here, with_box, 500)) EXPECT_GE(p.b.x(), 31);
   EXPECT_TRUE(MatchPoints(camera, here, wall, here, cv::Mat::zeros(48, 64, CV_32FC1), 500).empty());
 }
 
