@@ -33,7 +33,7 @@ FrameEstimate TopoSlam::Track(const Observation& observation) {
   FrameEstimate estimate;
   estimate.stamp_ns = observation.stamp_ns;
   up_.Add(observation.imu, imu_rotation_ * gyro_bias_.bias());
-  if (!observation.scan && !builder_) steps_.Add(observation.joints, heading_rad());
+  if (knows_heading_ && !observation.scan && !builder_) steps_.Add(observation.joints, heading_rad());
   if (wants_scan_ || observation.scan) {
     FollowScan(observation);
     return estimate;
