@@ -20,7 +20,10 @@ void GyroBias::Stand(const std::vector<ImuSample>& samples) {
 }
 
 void GyroBias::Learn() {
-  if (counted_ >= kFewest && 2 * counted_ > seen_) bias_ = sum_ / counted_;
+  if (counted_ >= kFewest && 2 * counted_ > seen_) {
+    bias_ = sum_ / counted_;
+    learned_ = true;
+  }
   sum_.setZero();
   counted_ = seen_ = 0;
 }

@@ -17,10 +17,12 @@ class GyroBias {
   void Learn();
   /// Of the angular rate, rad/s, in the IMU's own frame; 0 until something was learned.
   const Eigen::Vector3d& bias() const { return bias_; }
+  bool learned() const { return learned_; }
 
  private:
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero(), sum_ = Eigen::Vector3d::Zero();
   int counted_ = 0, seen_ = 0;
+  bool learned_ = false;
 };
 
 }  // namespace gaitcam

@@ -1,11 +1,14 @@
 /// Where a walker has come to, by counting its steps along its heading.
 ///
-/// Foot switches and a gyroscope's heading are all it takes; a step is the unit of length, as nobody says how long it
-/// is. It drifts with every step that is longer or shorter than the others, as those of a turn are.
+/// Foot switches and a gyroscope's heading are all it takes; a step straight ahead is the unit of length, as nobody
+/// says how long it is. A step that turns leads less far, one that turns by `on_the_spot_rad` nowhere: so do those of
+/// khr1hv_pan, which go 46 mm straight ahead, 22 mm where they turn by 4 degrees and 9 mm where they turn by 7. Over 40
+/// m round corners that errs by half a metre.
 
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "algorithms/core/observation.h"
@@ -14,6 +17,8 @@ namespace gaitcam {
 
 class StepReckoning {
  public:
+  explicit StepReckoning(double on_the_spot_rad = 0.15) : on_the_spot_rad_(on_the_spot_rad) {}
+
   /// A step is made where the robot stands on the other leg than the last time it stood on one.
   /// @param heading_rad while these samples were taken, left positive.
   void Add(const std::vector<JointSample>& samples, double heading_rad);
@@ -21,12 +26,17 @@ class StepReckoning {
   /// From where it began, forward at heading 0 and left of it, steps.
   const Eigen::Vector2d& position() const { return position_; }
   void SetPosition(const Eigen::Vector2d& position) { position_ = position; }
-  /// Made altogether.
+  /// Made altogether, also those on the spot.
   int steps() const { return steps_; }
 
  private:
   enum class Leg { kNone, kLeft, kRight };
 
+  /// A trunk sways to and fro with each pair of steps: turns are looked at over two of them.
+  static constexpr size_t kSteps = 4;
+
+  double on_the_spot_rad_;
+  std::array<double, kSteps> headings_{};  ///< Of the last steps; that of step k at k % kSteps.
   Leg last_ = Leg::kNone;
   int steps_ = 0;
   Eigen::Vector2d position_{0, 0};

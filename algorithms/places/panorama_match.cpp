@@ -46,23 +46,21 @@ PanoramaSectors SectorsOf(const WaveletEncoder& encoder, const cv::Mat& panorama
   return sectors;
 }
 
-std::vector<PanoramaMatch> MatchPanorama(const WaveletMap& map, const PanoramaSectors& sectors, double slack_deg) {
-  if (map.size() == 0) throw BadInput("a panorama is looked for in a map without a place");
+PanoramaMatch MatchPanorama(const WaveletMap& map, size_t place, const PanoramaSectors& sectors, double slack_deg,
+                            std::optional<WaveletWindow> turns) {
   GAITCAM_ASSERT(!sectors.views.empty() && slack_deg >= 0);
-  const double slack_px = slack_deg / 360 * sectors.panorama_width_px;
+  const double width_px = sectors.panorama_width_px, slack_px = slack_deg / 360 * width_px;
   const double step_px = std::max(1.0, 0.5 * slack_px);  // turns are looked at so finely that windows overlap
+  const WaveletWindow looked_at = turns.value_or(WaveletWindow{0, 0.5 * width_px});
+  const int reach = int(looked_at.tolerance_px / step_px);
+  Fit best;
+  for (int k = -reach; k <= reach; ++k) {
+    const Fit fit = FitAbout(map, sectors, place, {looked_at.left_px + k * step_px, slack_px});
+    if (fit.disagreement < best.disagreement) best = fit;
+  }
   const WaveletSignature& first = sectors.views.front().shifts.front();
   const int bits = int(sectors.views.size()) * first.columns() * first.bits_per_column();
-  std::vector<PanoramaMatch> matches;
-  for (size_t place = 0; place < map.size(); ++place) {
-    Fit best;
-    for (double turn_px = 0; turn_px < sectors.panorama_width_px; turn_px += step_px) {
-      const Fit fit = FitAbout(map, sectors, place, {turn_px, slack_px});
-      if (fit.disagreement < best.disagreement) best = fit;
-    }
-    matches.push_back({SimilarityOf(best.disagreement, bits), best.turn_px});
-  }
-  return matches;
+  return {SimilarityOf(best.disagreement, bits), best.turn_px};
 }
 
 }  // namespace gaitcam

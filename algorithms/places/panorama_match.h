@@ -8,6 +8,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "algorithms/places/wavelet_signature.h"
@@ -30,8 +31,10 @@ struct PanoramaMatch {
 /// @throws BadInput if the panorama is narrower than a sector, or a sector too narrow for a signature.
 PanoramaSectors SectorsOf(const WaveletEncoder& encoder, const cv::Mat& panorama, int sector_width_px);
 
-/// Of all turns the best one, for each place of the map in the order of Add(). @param slack_deg how far a sector may
-/// slide to either side. @throws BadInput if the map is empty.
-std::vector<PanoramaMatch> MatchPanorama(const WaveletMap& map, const PanoramaSectors& sectors, double slack_deg);
+/// Of all turns the best one, or of those that are asked for.
+/// @param slack_deg how far a sector may slide to either side. @param turns so many columns further to the right what
+/// is looked for lies, give or take; none: any. @pre place < map.size().
+PanoramaMatch MatchPanorama(const WaveletMap& map, size_t place, const PanoramaSectors& sectors, double slack_deg,
+                            std::optional<WaveletWindow> turns = {});
 
 }  // namespace gaitcam

@@ -23,7 +23,7 @@ TopoSlam::TopoSlam(const Calibration& calibration, const TopoSlamOptions& option
       map_(options.wavelet),
       filter_(options.loop),
       imu_rotation_(calibration.imu.X_CI.rotation),
-      knows_heading_(calibration.imu.rate_hz > 0) {
+      imu_period_s_(calibration.imu.rate_hz > 0 ? 1 / calibration.imu.rate_hz : 0) {
   CheckFields(options, "topo_slam.");
   // Says at once what every view would.
   encoder_.OfView(cv::Mat::zeros(layout_.height_px, projection_.width_px(), CV_8UC1));
@@ -33,7 +33,7 @@ FrameEstimate TopoSlam::Track(const Observation& observation) {
   FrameEstimate estimate;
   estimate.stamp_ns = observation.stamp_ns;
   up_.Add(observation.imu, imu_rotation_ * gyro_bias_.bias());
-  if (knows_heading_ && !observation.scan && !builder_) steps_.Add(observation.joints, heading_rad());
+  if (imu_period_s_ > 0 && !observation.scan && !builder_) steps_.Add(observation.joints, heading_rad());
   if (wants_scan_ || observation.scan) {
     FollowScan(observation);
     return estimate;
@@ -62,6 +62,7 @@ void TopoSlam::FollowScan(const Observation& observation) {
   }
   if (observation.scan) {
     gyro_bias_.Stand(observation.imu);
+    standing_samples_ += observation.imu.size();
     if (!wants_scan_) {  // the rest of a scan that has shown all
       scanned_ns_ = observation.stamp_ns;
       return;
@@ -88,10 +89,9 @@ double TopoSlam::HeadingAtScan(double pan_rad) const {
 }
 
 void TopoSlam::EndScan() {
-  gyro_bias_.Learn();
+  LearnBias();
   Panorama panorama = builder_->Finish();
   here_.reset();
-  heading_is_old_ = true;
   if (const std::optional<KnownPlace> known = Recognise(panorama.image)) {
     CloseLoop(known->node, scan_began_ns_);
     LookFrom(panorama.image, node_heading_rad_[size_t(known->node)] + known->bearing_rad);
@@ -103,14 +103,27 @@ void TopoSlam::EndScan() {
   wanted_ns_ = -1;
 }
 
+/// Also what the heading has drifted by since the scan began is taken back.
+void TopoSlam::LearnBias() {
+  const Eigen::Vector3d before = gyro_bias_.bias();
+  gyro_bias_.Learn();
+  const Eigen::Vector3d more_C = imu_rotation_ * (gyro_bias_.bias() - before);
+  heading_offset_rad_ -= more_C.dot(up_.up_C()) * double(standing_samples_) * imu_period_s_;
+  standing_samples_ = 0;
+  heading_is_old_ = !gyro_bias_.learned();
+}
+
 /// The node that a panorama shows, turned as it may be: rather another one than the last. It says as much as all of its
 /// views, so that nothing that was believed before counts beside it.
 std::optional<TopoSlam::KnownPlace> TopoSlam::Recognise(const cv::Mat& panorama) {
   if (map_.size() == 0) return std::nullopt;
   const PanoramaSectors sectors = SectorsOf(encoder_, panorama, projection_.width_px());
-  const std::vector<PanoramaMatch> matches = MatchPanorama(map_, sectors, options_.sector_slack_deg);
+  std::vector<PanoramaMatch> matches;
   std::vector<double> similarity;
-  for (const PanoramaMatch& match : matches) similarity.push_back(match.similarity);
+  for (size_t node = 0; node < map_.size(); ++node) {
+    matches.push_back(MatchPanorama(map_, node, sectors, options_.sector_slack_deg, TurnTo(node)));
+    similarity.push_back(matches.back().similarity);
+  }
   LoopFilterOptions all_around = options_.loop;
   all_around.threshold = options_.same_place;
   all_around.sharpness *= double(sectors.views.size());
@@ -121,6 +134,13 @@ std::optional<TopoSlam::KnownPlace> TopoSlam::Recognise(const cv::Mat& panorama)
   Record(belief, scan_began_ns_, std::remainder(bearing_rad, 2 * std::numbers::pi), panorama);
   if (node < 0) return std::nullopt;
   return KnownPlace{node, bearing_rad};
+}
+
+/// How far to the right the panorama that was just made lies in a node's, as the gyroscope has it.
+std::optional<WaveletWindow> TopoSlam::TurnTo(size_t node) const {
+  if (!KnowsHeading()) return std::nullopt;
+  const double left_rad = ahead_rad_ - node_heading_rad_[node];
+  return WaveletWindow{-left_rad * layout_.px_per_rad(), HeadingTolerancePx()};
 }
 
 void TopoSlam::Record(const LoopFilter::Belief& belief, int64_t stamp_ns, double bearing_rad, const cv::Mat& view) {
@@ -217,14 +237,18 @@ std::vector<bool> TopoSlam::LeftOut() const {
   return left_out;
 }
 
+bool TopoSlam::KnowsHeading() const { return imu_period_s_ > 0 && options_.heading_window_deg < 180; }
+
+double TopoSlam::HeadingTolerancePx() const {
+  return options_.heading_window_deg * std::numbers::pi / 180 * layout_.px_per_rad();
+}
+
 /// @param ahead_rad heading of the middle of the place's panorama; @param heading_rad of the view's.
 WaveletMatch TopoSlam::Compare(const WaveletView& view, const WaveletMap& map, int place, double ahead_rad,
                                double heading_rad) const {
-  if (!knows_heading_ || options_.heading_window_deg >= 180) return map.Query(view, size_t(place));
+  if (!KnowsHeading()) return map.Query(view, size_t(place));
   const double middle = layout_.ColumnOf(heading_rad - ahead_rad);
-  const double tolerance_rad = options_.heading_window_deg * std::numbers::pi / 180;
-  return map.Query(view, size_t(place),
-                   WaveletWindow{middle - 0.5 * (view.width_px - 1), tolerance_rad * layout_.px_per_rad()});
+  return map.Query(view, size_t(place), WaveletWindow{middle - 0.5 * (view.width_px - 1), HeadingTolerancePx()});
 }
 
 /// With the place that was seen all around, or recognised, last.
@@ -241,7 +265,8 @@ double TopoSlam::BearingOf(const WaveletMatch& match) const {
   return std::remainder(layout_.AzimuthOf(middle), 2 * std::numbers::pi);
 }
 
-/// By what the last place shows. Away from where it was scanned bearings err, now to one side, now to the other.
+/// By what the last place shows, where the gyroscope's bias is not known. Away from where it was scanned bearings err,
+/// now to one side, now to the other.
 void TopoSlam::SetHeading(double bearing_rad, double turned_rad) {
   constexpr double kGain = 0.2;
   const double seen = AheadHere() + bearing_rad;
@@ -269,7 +294,7 @@ void TopoSlam::Test(const Candidate& candidate, FrameEstimate& estimate) {
   double most = 0;
   for (size_t node = 0; node < map_.size(); ++node) most = left_out[node] ? most : std::max(most, similarity[node]);
   const bool at_last = here.similarity >= options_.loop.threshold;  // step 2 of 4.5: still at the last node
-  if (at_last) SetHeading(BearingOf(here), candidate.heading_rad);
+  if (at_last && !gyro_bias_.learned()) SetHeading(BearingOf(here), candidate.heading_rad);
   if (at_last && most < options_.clearer * here.similarity) {
     Forget();
     return;

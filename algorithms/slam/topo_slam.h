@@ -42,8 +42,8 @@ struct TopoSlamOptions {
   bool look_around = true;       ///< A loop is closed by a panorama alone, never by a single view.
   double same_place = 1.65;      ///< Two panoramas more similar than this are of one place; loop.threshold is a view's.
   double sector_slack_deg = 15;  ///< So far a panorama's sectors may slide, see panorama_match.h.
-  double place_steps = 25;       ///< A place is not where the robot is if it lies farther away, by counted steps, ...
-  double step_error = 0.1;       ///< ... than this and such a share of the steps made since it was visited.
+  double place_steps = 20;       ///< A place is not where the robot is if it lies farther away, by counted steps, ...
+  double step_error = 0.04;      ///< ... than this and such a share of the steps made since it was visited.
   double test_every_s = 0.3;     ///< Time between two tests.
   std::string steady = "gyro";   ///< Which frame of that time is tested.
   bool level_views = true;       ///< By gravity, as the IMU feels it; without one the standing camera's.
@@ -131,6 +131,10 @@ class TopoSlam {
 
   void FollowScan(const Observation& observation);
   double HeadingAtScan(double pan_rad) const;
+  void LearnBias();
+  std::optional<WaveletWindow> TurnTo(size_t node) const;
+  bool KnowsHeading() const;
+  double HeadingTolerancePx() const;
   void EndScan();
   std::optional<KnownPlace> Recognise(const cv::Mat& panorama);
   void Record(const LoopFilter::Belief& belief, int64_t stamp_ns, double bearing_rad, const cv::Mat& view);
@@ -163,7 +167,8 @@ class TopoSlam {
   std::vector<Panorama> stitches_;
 
   Eigen::Quaterniond imu_rotation_;  ///< From the IMU's frame to the camera's.
-  bool knows_heading_ = false;       ///< There is a gyroscope.
+  double imu_period_s_ = 0;          ///< 0: there is none.
+  size_t standing_samples_ = 0;      ///< Of the IMU, since the bias was learned last.
   bool wants_scan_ = true;
   int64_t wanted_ns_ = -1, scan_began_ns_ = -1;
   std::optional<PanoramaBuilder> builder_;

@@ -22,9 +22,11 @@ TEST(GyroBias, IsTheMeanOfWhatAStandingRobotReads) {
   EXPECT_EQ(gyro.bias().norm(), 0);
   gyro.Stand(Samples(2000, kBias, 0.002));
   EXPECT_EQ(gyro.bias().norm(), 0);  // not before it is asked to
+  EXPECT_FALSE(gyro.learned());
   gyro.Learn();
   // Standard deviation of the mean 0.002 / sqrt(2000) = 4.5e-5 per axis; five of it.
   EXPECT_NEAR((gyro.bias() - kBias).norm(), 0, 2.3e-4);
+  EXPECT_TRUE(gyro.learned());
 }
 
 TEST(GyroBias, AHeadThatTurnsTeachesNothing) {
@@ -40,6 +42,7 @@ TEST(GyroBias, AShortRestTeachesNothing) {
   gyro.Stand(Samples(50, kBias));
   gyro.Learn();
   EXPECT_EQ(gyro.bias().norm(), 0);
+  EXPECT_FALSE(gyro.learned());
 }
 
 TEST(GyroBias, TheLastRestCounts) {

@@ -44,8 +44,12 @@ struct Fixture {
   explicit Fixture(int rooms) {
     for (int k = 0; k < rooms; ++k) map.Add(encoder.OfPanorama(Room(uint64_t(k + 1))));
   }
-  std::vector<PanoramaMatch> Match(const cv::Mat& panorama, double slack_deg = 15) const {
-    return MatchPanorama(map, SectorsOf(encoder, panorama, kSector), slack_deg);
+  std::vector<PanoramaMatch> Match(const cv::Mat& panorama, double slack_deg = 15,
+                                   std::optional<WaveletWindow> turns = {}) const {
+    const PanoramaSectors sectors = SectorsOf(encoder, panorama, kSector);
+    std::vector<PanoramaMatch> matches;
+    for (size_t k = 0; k < map.size(); ++k) matches.push_back(MatchPanorama(map, k, sectors, slack_deg, turns));
+    return matches;
   }
 };
 
@@ -72,6 +76,20 @@ TEST(PanoramaMatch, AStepAsideBendsTheRingAndSectorsFollowIt) {
   EXPECT_NEAR(std::remainder(following.turn_px, 720), 0, 8);
 }
 
+TEST(PanoramaMatch, ARoomThatLooksTheSameTurnedIsFoundWhereTheHeadingSays) {
+  cv::Mat half = Room(1).colRange(0, 360), room;
+  cv::hconcat(half, half, room);  // the same after 180 degrees
+  Fixture fixture(0);
+  fixture.map.Add(fixture.encoder.OfPanorama(room));
+  for (const double turn_px : {0.0, 360.0}) {
+    const PanoramaMatch match = fixture.Match(room, 15, WaveletWindow{turn_px + 20, 90})[0];
+    EXPECT_GT(match.similarity, 6);
+    EXPECT_NEAR(std::remainder(match.turn_px - turn_px, 720), 0, 2);
+  }
+  // Where it does not lie it is not found.
+  EXPECT_LT(fixture.Match(room, 15, WaveletWindow{180, 45})[0].similarity, 2);
+}
+
 TEST(PanoramaMatch, FewerSectorsAgreeTheMoreIsHidden) {
   const Fixture fixture(1);
   double before = 1e9;
@@ -91,7 +109,6 @@ TEST(PanoramaMatch, SaysWhatIsTooSmallOrMissing) {
   EXPECT_THROW(SectorsOf(encoder, cv::Mat::zeros(160, 720, CV_8UC1), 12), BadInput);  // no square
   const PanoramaSectors sectors = SectorsOf(encoder, Room(1), kSector);
   EXPECT_EQ(sectors.views.size(), 6u);
-  EXPECT_THROW(MatchPanorama(WaveletMap(), sectors, 15), BadInput);
 }
 
 }  // namespace
