@@ -30,8 +30,9 @@ constexpr std::string_view kStyle = R"css(
 .loops figure { margin: 0; padding: .6rem; background: var(--card); border: 1px solid var(--line); border-radius: 12px; }
 .loops .seen { display: flex; gap: .5rem; align-items: center; }
 .loops .seen img { display: block; height: 84px; width: auto; border-radius: 4px; }
-.loops .around { flex-direction: column; }
 .loops .seen img.panorama { flex: 1; min-width: 0; height: auto; }
+.loops .around { flex-direction: column; align-items: stretch; gap: .25rem; }
+.loops .around img.panorama { flex: none; width: 100%; }
 .loops svg { display: block; width: 100%; height: 92px; margin-top: .4rem; }
 .loops rect { fill: var(--sim3); }
 .loops rect.chosen { fill: var(--green); }

@@ -8,8 +8,7 @@
 /// Likelihood, by `likelihood`:
 /// - "similarity": the thesis's. L(i) = Sim of node i, L(no loop) = threshold.
 /// - "bits": of n independent bits, Binomial(n, p1) disagree where the view shows the node, Binomial(n, p0) where the
-/// best
-///   window of another place is compared; d is the share of bits that do. The logarithm of the ratio is linear in d,
+///   best window of another place is compared; d is the share that does. The ratio's logarithm is linear in d,
 ///     log L(i) / L(no loop) = n log(p0 (1 - p1) / (p1 (1 - p0))) (d_th - d) = sharpness (d_th - d),
 ///   and 0 at d_th = 1 / (2 threshold), SimilarityOf's inverse. Bits are far from independent, as the image was
 ///   smoothed over a square: `sharpness` stands for n k together.

@@ -94,7 +94,7 @@ void TopoSlam::EndScan() {
   here_.reset();
   if (const std::optional<KnownPlace> known = Recognise(panorama.image)) {
     CloseLoop(known->node, scan_began_ns_);
-    LookFrom(panorama.image, node_heading_rad_[size_t(known->node)] + known->bearing_rad);
+    LookFrom(panorama.image, reckoned_[size_t(known->node)].ahead_rad + known->bearing_rad);
   } else {
     AddNode(std::move(panorama));
   }
@@ -139,7 +139,7 @@ std::optional<TopoSlam::KnownPlace> TopoSlam::Recognise(const cv::Mat& panorama)
 /// How far to the right the panorama that was just made lies in a node's, as the gyroscope has it.
 std::optional<WaveletWindow> TopoSlam::TurnTo(size_t node) const {
   if (!KnowsHeading()) return std::nullopt;
-  const double left_rad = ahead_rad_ - node_heading_rad_[node];
+  const double left_rad = ahead_rad_ - reckoned_[node].ahead_rad;
   return WaveletWindow{-left_rad * layout_.px_per_rad(), HeadingTolerancePx()};
 }
 
@@ -162,8 +162,7 @@ void TopoSlam::AddNode(Panorama panorama) {
   node.bytes = map_.bytes_per_place();
   node.panorama = panorama.image;
   graph_.nodes.push_back(node);
-  node_heading_rad_.push_back(ahead_rad_);
-  reckoned_.push_back({steps_.position(), steps_.steps()});
+  reckoned_.push_back({steps_.position(), steps_.steps(), ahead_rad_});
   panorama.image.release();
   stitches_.push_back(panorama);
   const int added = int(graph_.nodes.size()) - 1;
@@ -258,7 +257,7 @@ WaveletMatch TopoSlam::CompareHere(const WaveletView& view, double heading_rad) 
   return heading_is_old_ ? map.Query(view, size_t(place)) : Compare(view, map, place, AheadHere(), heading_rad);
 }
 
-double TopoSlam::AheadHere() const { return here_ ? here_->ahead_rad : node_heading_rad_[size_t(last_)]; }
+double TopoSlam::AheadHere() const { return here_ ? here_->ahead_rad : reckoned_[size_t(last_)].ahead_rad; }
 
 double TopoSlam::BearingOf(const WaveletMatch& match) const {
   const double middle = match.left_px + 0.5 * (projection_.width_px() - 1);
@@ -287,7 +286,7 @@ void TopoSlam::Test(const Candidate& candidate, FrameEstimate& estimate) {
   estimate.features = first.columns() * first.bits_per_column();
   estimate.inliers = int(std::lround((1 - here.disagreement) * estimate.features));
   for (int node = 0; node < int(map_.size()); ++node) {
-    matches.push_back(Compare(signature, map_, node, node_heading_rad_[size_t(node)], heading));
+    matches.push_back(Compare(signature, map_, node, reckoned_[size_t(node)].ahead_rad, heading));
     similarity.push_back(matches.back().similarity);
   }
   const std::vector<bool> left_out = LeftOut();

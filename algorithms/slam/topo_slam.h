@@ -9,9 +9,10 @@
 ///   camera sways; and what is to happen must be so in `persist` tests in a row.
 /// - A single view only raises the question. A panorama, which shows as much as eight of them, answers it
 ///   (panorama_match.h); the thesis closes loops by single views (`look_around: false`).
-/// - Steps counted along the gyroscope's heading (step_reckoning.h) say which places the robot cannot have come to:
-/// rooms
-///   that look the same are told apart by nothing else. Without joints or gyroscope any place may be the one.
+/// - Steps counted along the gyroscope's heading (step_reckoning.h), the bias of which is learned in each scan, say
+/// which
+///   places the robot cannot have come to: rooms that look the same are told apart by nothing else. Without joints or
+///   gyroscope any place may be the one.
 
 #pragma once
 
@@ -68,7 +69,7 @@ void VisitFields(Visitor& visit, TopoSlamOptions& o) {
   visit("look_around", o.look_around, Nested(), "a loop is closed by a panorama alone, never by a single view");
   visit("same_place", o.same_place, Between(1.0, 1000.0), "panoramas more similar than this are of one place");
   visit("sector_slack_deg", o.sector_slack_deg, Between(0.0, 90.0), "so far a sector of a panorama may slide");
-  visit("place_steps", o.place_steps, Between(1.0, 1e6), "no place is known again from farther away, in counted steps");
+  visit("place_steps", o.place_steps, Between(1.0, 1e6), "no place is recognised from farther away, in counted steps");
   visit("step_error", o.step_error, Between(0.0, 1000.0), "and this share of the steps made since it was visited");
   visit("test_every_s", o.test_every_s, Between(0.0, 1000.0), "time between two tests");
   visit("steady", o.steady, OneOf({"gyro", "double_support", "last"}), "which frame of that time is tested");
@@ -122,6 +123,7 @@ class TopoSlam {
   struct Reckoned {
     Eigen::Vector2d position{0, 0};  ///< Steps.
     int visited = 0;                 ///< Steps made until the robot was there last.
+    double ahead_rad = 0;            ///< Heading of the panorama's middle.
   };
   /// What was seen all around last, where that was a known place.
   struct Here {
@@ -179,10 +181,9 @@ class TopoSlam {
 
   std::optional<Candidate> candidate_;
   int64_t tested_ns_ = -1;
-  std::vector<Reckoned> reckoned_;        ///< Of each node.
-  std::vector<double> node_heading_rad_;  ///< Straight ahead in each panorama.
-  double heading_offset_rad_ = 0;         ///< Heading is the gyroscope's and this.
-  bool heading_is_old_ = true;            ///< A scan has passed since it was put right.
+  std::vector<Reckoned> reckoned_;  ///< Of each node.
+  double heading_offset_rad_ = 0;   ///< Heading is the gyroscope's and this.
+  bool heading_is_old_ = true;      ///< A scan has passed since it was put right.
   std::optional<Here> here_;
   StepReckoning steps_;
   int last_ = -1;         ///< Node visited last.

@@ -73,8 +73,8 @@ class Obstacles {
 };
 
 TEST(Place, AllShippedPlacesAreListed) {
-  EXPECT_THAT(ListPlaces(kModels),
-              testing::ElementsAre("corridor", "floor_trials", "hall", "lab", "plain", "robocup_field", "tabletop"));
+  EXPECT_THAT(ListPlaces(kModels), testing::ElementsAre("corridor", "floor_trials", "hall", "lab", "plain",
+                                                        "robocup_field", "tabletop", "twin_corridors"));
   EXPECT_TRUE(ListPlaces("/no/such/folder").empty());
 }
 
