@@ -6,7 +6,7 @@ namespace gaitcam {
 namespace {
 
 constexpr double kFastest = 3 * std::numbers::pi / 180;  ///< rad/s; ten times the bias of a cheap one.
-constexpr int kFewest = 100;                             ///< Samples: half a second, at the least.
+constexpr int kFewest = 100;                             ///< Samples; half a second at 200 Hz.
 
 }  // namespace
 

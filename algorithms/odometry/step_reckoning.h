@@ -1,9 +1,9 @@
 /// Where a walker has come to, by counting its steps along its heading.
 ///
 /// Foot switches and a gyroscope's heading are all it takes; a step straight ahead is the unit of length, as nobody
-/// says how long it is. A step that turns leads less far, one that turns by `on_the_spot_rad` nowhere: so do those of
-/// khr1hv_pan, which go 46 mm straight ahead, 22 mm where they turn by 4 degrees and 9 mm where they turn by 7. Over 40
-/// m round corners that errs by half a metre.
+/// says how long it is. The more a step turns the less far it leads, and one that turns by `on_the_spot_rad` leads
+/// nowhere; the default is fitted to khr1hv_pan's normal gait. results/studies/corridor_loops shows what it is good
+/// for.
 
 #pragma once
 
@@ -17,10 +17,11 @@ namespace gaitcam {
 
 class StepReckoning {
  public:
+  /// @param on_the_spot_rad turn of a step that leads nowhere, > 0.
   explicit StepReckoning(double on_the_spot_rad = 0.15) : on_the_spot_rad_(on_the_spot_rad) {}
 
   /// A step is made where the robot stands on the other leg than the last time it stood on one.
-  /// @param heading_rad while these samples were taken, left positive.
+  /// @param heading_rad while these samples were taken, left positive, not wrapped.
   void Add(const std::vector<JointSample>& samples, double heading_rad);
 
   /// From where it began, forward at heading 0 and left of it, steps.

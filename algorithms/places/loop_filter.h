@@ -1,9 +1,9 @@
 /// Has the robot come back to a place it knows? A discrete Bayes filter over the nodes of the map and the event "none
 /// of them" (thesis 4.5, Eqs. 4.5-4.6).
 ///
-/// State 0 is "no loop", the thesis's -1; state i + 1 is node i. The node visited last is left out, and others may be,
-/// as where the robot cannot have come. One number, the
-/// threshold, is both what a view must reach to show the last node still, and the likelihood of "no loop".
+/// State 0 is "no loop", the thesis's -1; state i + 1 is node i. The node visited last is left out, and any
+/// that the robot cannot have come to. One number, the threshold, is both what a view must reach to show the last node
+/// still, and the likelihood of "no loop".
 ///
 /// Likelihood, by `likelihood`:
 /// - "similarity": the thesis's. L(i) = Sim of node i, L(no loop) = threshold.

@@ -22,8 +22,7 @@ TopoSlam::TopoSlam(const Calibration& calibration, const TopoSlamOptions& option
       encoder_(options.height_px, options.wavelet),
       map_(options.wavelet),
       filter_(options.loop),
-      imu_rotation_(calibration.imu.X_CI.rotation),
-      imu_period_s_(calibration.imu.rate_hz > 0 ? 1 / calibration.imu.rate_hz : 0) {
+      imu_(calibration.imu) {
   CheckFields(options, "topo_slam.");
   // Says at once what every view would.
   encoder_.OfView(cv::Mat::zeros(layout_.height_px, projection_.width_px(), CV_8UC1));
@@ -32,8 +31,8 @@ TopoSlam::TopoSlam(const Calibration& calibration, const TopoSlamOptions& option
 FrameEstimate TopoSlam::Track(const Observation& observation) {
   FrameEstimate estimate;
   estimate.stamp_ns = observation.stamp_ns;
-  up_.Add(observation.imu, imu_rotation_ * gyro_bias_.bias());
-  if (imu_period_s_ > 0 && !observation.scan && !builder_) steps_.Add(observation.joints, heading_rad());
+  up_.Add(observation.imu, imu_.X_CI.rotation * gyro_bias_.bias());
+  if (HasGyroscope() && !observation.scan && !builder_) steps_.Add(observation.joints, heading_rad());
   if (wants_scan_ || observation.scan) {
     FollowScan(observation);
     return estimate;
@@ -107,8 +106,8 @@ void TopoSlam::EndScan() {
 void TopoSlam::LearnBias() {
   const Eigen::Vector3d before = gyro_bias_.bias();
   gyro_bias_.Learn();
-  const Eigen::Vector3d more_C = imu_rotation_ * (gyro_bias_.bias() - before);
-  heading_offset_rad_ -= more_C.dot(up_.up_C()) * double(standing_samples_) * imu_period_s_;
+  const Eigen::Vector3d more_C = imu_.X_CI.rotation * (gyro_bias_.bias() - before);
+  if (HasGyroscope()) heading_offset_rad_ -= more_C.dot(up_.up_C()) * double(standing_samples_) / imu_.rate_hz;
   standing_samples_ = 0;
   heading_is_old_ = !gyro_bias_.learned();
 }
@@ -235,8 +234,6 @@ std::vector<bool> TopoSlam::LeftOut() const {
   }
   return left_out;
 }
-
-bool TopoSlam::KnowsHeading() const { return imu_period_s_ > 0 && options_.heading_window_deg < 180; }
 
 double TopoSlam::HeadingTolerancePx() const {
   return options_.heading_window_deg * std::numbers::pi / 180 * layout_.px_per_rad();

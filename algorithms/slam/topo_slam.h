@@ -9,10 +9,9 @@
 ///   camera sways; and what is to happen must be so in `persist` tests in a row.
 /// - A single view only raises the question. A panorama, which shows as much as eight of them, answers it
 ///   (panorama_match.h); the thesis closes loops by single views (`look_around: false`).
-/// - Steps counted along the gyroscope's heading (step_reckoning.h), the bias of which is learned in each scan, say
-/// which
-///   places the robot cannot have come to: rooms that look the same are told apart by nothing else. Without joints or
-///   gyroscope any place may be the one.
+/// - Steps counted along the gyroscope's heading (step_reckoning.h) say where the robot cannot be: rooms that look the
+///   same are told apart by nothing else. The bias is learned in each scan. Without joints or gyroscope any place may
+///   be the one.
 
 #pragma once
 
@@ -135,7 +134,8 @@ class TopoSlam {
   double HeadingAtScan(double pan_rad) const;
   void LearnBias();
   std::optional<WaveletWindow> TurnTo(size_t node) const;
-  bool KnowsHeading() const;
+  bool HasGyroscope() const { return imu_.rate_hz > 0; }
+  bool KnowsHeading() const { return HasGyroscope() && options_.heading_window_deg < 180; }
   double HeadingTolerancePx() const;
   void EndScan();
   std::optional<KnownPlace> Recognise(const cv::Mat& panorama);
@@ -168,9 +168,8 @@ class TopoSlam {
   PlaceGraph graph_;
   std::vector<Panorama> stitches_;
 
-  Eigen::Quaterniond imu_rotation_;  ///< From the IMU's frame to the camera's.
-  double imu_period_s_ = 0;          ///< 0: there is none.
-  size_t standing_samples_ = 0;      ///< Of the IMU, since the bias was learned last.
+  ImuCalibration imu_;
+  size_t standing_samples_ = 0;  ///< Of the IMU, since the bias was learned last.
   bool wants_scan_ = true;
   int64_t wanted_ns_ = -1, scan_began_ns_ = -1;
   std::optional<PanoramaBuilder> builder_;
