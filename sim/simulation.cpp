@@ -3,15 +3,15 @@
 #include <numbers>
 
 #include "algorithms/core/errors.h"
-#include "sim/walker.h"
+#include "sim/walking/walker.h"
 
 namespace gaitcam {
 namespace {
 
-/// @param place_start x m, y m, yaw rad. @param start x m, y m, yaw deg.
-Pose StartPose(const Eigen::Vector3d& place_start, const std::optional<Eigen::Vector3d>& start) {
-  const double yaw = start ? start->z() * std::numbers::pi / 180 : place_start.z();
-  const Eigen::Vector3d& p = start ? *start : place_start;
+/// @param scene_start x m, y m, yaw rad. @param start x m, y m, yaw deg.
+Pose StartPose(const Eigen::Vector3d& scene_start, const std::optional<Eigen::Vector3d>& start) {
+  const double yaw = start ? start->z() * std::numbers::pi / 180 : scene_start.z();
+  const Eigen::Vector3d& p = start ? *start : scene_start;
   return {RotZ(yaw), Eigen::Vector3d(p.x(), p.y(), 0)};
 }
 
@@ -57,6 +57,11 @@ class LineFit {
   double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
 };
 
+void CheckFinite(const char* what, const Eigen::Vector3d& numbers) {
+  if (!numbers.allFinite())
+    throw BadInput(std::string("the system commanded a ") + what + " that is not finite; expected three numbers");
+}
+
 constexpr int64_t kPanFit_ns = 12'000'000;  ///< Readings so near to mid-exposure tell the pan.
 
 }  // namespace
@@ -65,26 +70,26 @@ void CheckHeadScan(const Robot& robot, const SimulationOptions& options) {
   const CameraModel camera = CameraRig(options.camera, 0).MakeCalibration().camera;
   const HeadScanPlan plan = PlanHeadScan(robot, options.scan, camera, 1e-3 * options.camera.exposure.exposure_ms);
   if (plan.sweeps == 1 || robot.kind != Robot::Kind::kHumanoid) return;
-  const World world(robot, gaitcam::Place{}, options.physics, {}, 0);
+  const World world(robot, Scene{}, options.physics, {}, 0);
   PathOptions turning;
-  turning.kind = "there_and_back";
+  turning.kind = PathKind::kThereAndBack;
   CheckGait(robot, world.nominal_model(), options.gait, turning, options.physics);
 }
 
-void CheckSimulation(const Robot& robot, const gaitcam::Place& place, const SimulationOptions& options, uint64_t seed) {
+void CheckSimulation(const Robot& robot, const Scene& scene, const SimulationOptions& options, uint64_t seed) {
   options.camera.Check();
-  gaitcam::Place floor;  // the robot is asked, not the place: an empty floor compiles in no time
-  floor.start = place.start;
+  Scene floor;  // the robot is asked, not the scene: an empty floor compiles in no time
+  floor.start = scene.start;
   const World world(robot, floor, options.physics, {}, seed);
-  MakeController(robot, world.nominal_model(), options, StartPose(place.start, options.start));
+  MakeController(robot, world.nominal_model(), options, StartPose(scene.start, options.start));
   SensorSuite(world, options.sensors, seed);
 }
 
-Simulation::Simulation(const Robot& robot, const gaitcam::Place& place, const SimulationOptions& options, uint64_t seed)
+Simulation::Simulation(const Robot& robot, const Scene& scene, const SimulationOptions& options, uint64_t seed)
     : options_(options),
       rig_(options.camera, seed),
-      world_(robot, place, options.physics, rig_.WorldCameras(), seed),
-      controller_(MakeController(robot, world_.nominal_model(), options, StartPose(place.start, options.start))),
+      world_(robot, scene, options.physics, rig_.WorldCameras(), seed),
+      controller_(MakeController(robot, world_.nominal_model(), options, StartPose(scene.start, options.start))),
       sensors_(world_, options.sensors, seed),
       renderer_(world_.model(), rig_.MakeRendererOptions()),
       calibration_(rig_.MakeCalibration()),
@@ -102,22 +107,51 @@ Simulation::Simulation(const Robot& robot, const gaitcam::Place& place, const Si
 Simulation::~Simulation() = default;
 
 void Simulation::PutAtStart() {
-  world_.Place(controller_->InitialRoot(), controller_->InitialJoints());
+  world_.SetState(controller_->InitialRoot(), controller_->InitialJoints());
   last_position_ = world_.X_WB().translation.head<2>();
 }
 
 void Simulation::Restart(const Eigen::Vector3d& start, uint64_t seed) {
   options_.start = start;
   const Robot& robot = world_.robot();
-  controller_ = MakeController(robot, world_.nominal_model(), options_, StartPose({}, start));
+  controller_ = MakeController(robot, world_.nominal_model(), options_, StartPose(Eigen::Vector3d::Zero(), start));
   PutAtStart();
   rig_.Reseed(seed);
   sensors_ = SensorSuite(world_, options_.sensors, seed);
   frame_ = 0;
   status_ = SimulationStatus::kWalking;
+  left_path_ = false;
   end_time_s_ = distance_m_ = scan_time_s_ = 0;
   joints_.clear();
   pans_.clear();
+}
+
+void Simulation::Command(const BodyCommand& command) {
+  if (std::holds_alternative<Scan>(command)) {
+    RequestScan();
+    return;
+  }
+  if (const Velocity* v = std::get_if<Velocity>(&command)) {
+    CheckFinite("velocity", {v->forward_mps, v->left_mps, v->turn_rad_s});
+  } else if (const GoTo* to = std::get_if<GoTo>(&command)) {
+    CheckFinite("goal", {to->x_m, to->y_m, to->heading_rad});
+  }
+  if (!left_path_ && !std::holds_alternative<FollowPath>(command)) {
+    CheckLeavingPath();
+    left_path_ = true;
+  }
+  controller_->Command(command);
+}
+
+void Simulation::CheckLeavingPath() const {
+  if (options_.duration_s <= 0 && options_.path.kind != PathKind::kStand) {
+    throw BadInput(
+        "duration_s: 0 means until the path ends, which a system that leaves the path need not reach; expected a time");
+  }
+  if (world_.robot().kind != Robot::Kind::kHumanoid) return;
+  PathOptions turning;
+  turning.kind = PathKind::kThereAndBack;
+  CheckGait(world_.robot(), world_.nominal_model(), options_.gait, turning, options_.physics);
 }
 
 void Simulation::RequestScan() {
@@ -145,7 +179,7 @@ void Simulation::Control() {
   input.imu = sensors_.imu();
   input.joints = sensors_.ReadJoints(world_);
   joints_.push_back(input.joints);
-  if (options_.path.feedback == "truth") input.X_WB = world_.X_WB();
+  if (options_.path.feedback == PathFeedback::kTruth) input.X_WB = world_.X_WB();
   world_.SetTargets(controller_->Update(input));
   if (controller_->Scans()) scan_time_s_ += 1e-9 * double(world_.control_period_ns());
   pans_.push_back({input.stamp_ns, head_pan_.Of(input.joints.position), controller_->SweepTurn()});
@@ -226,7 +260,7 @@ SimulatedFrame Simulation::Film(const TruthOptions& truth) {
   frame.observation.imu = sensors_.TakeImu();
   frame.observation.joints = std::exchange(joints_, {});
   frame.observation.scan = ScanAt(stamp_ns);
-  frame.truth.camera = std::move(exposed.left.truth);
+  frame.truth = std::move(exposed.left.truth);
   FillTruth(stamp_ns, frame.truth);
   return frame;
 }

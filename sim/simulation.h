@@ -1,4 +1,4 @@
-/// A robot walks through a place and its sensors see it: physics, control, cameras and sensors on one clock.
+/// A robot walks through a scene and its sensors see it: physics, control, cameras and sensors on one clock.
 
 #pragma once
 
@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "algorithms/core/observation.h"
-#include "sim/camera_rig.h"
-#include "sim/controller.h"
-#include "sim/egl_context.h"
-#include "sim/omni_drive.h"
-#include "sim/path.h"
-#include "sim/renderer.h"
-#include "sim/sensors.h"
-#include "sim/world.h"
+#include "sim/camera/camera_rig.h"
+#include "sim/camera/egl_context.h"
+#include "sim/camera/renderer.h"
+#include "sim/sensors/sensors.h"
+#include "sim/walking/controller.h"
+#include "sim/walking/omni_drive.h"
+#include "sim/walking/path.h"
+#include "sim/world/world.h"
 
 namespace gaitcam {
 
@@ -28,22 +28,12 @@ struct SimulationOptions {
   SensorOptions sensors;
   HeadScanOptions scan;                  ///< How it looks all around when asked to.
   double duration_s = 0;                 ///< 0: until the path ends.
-  std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg; the place's own if absent.
-};
-
-/// What is true at one frame; never shown to an estimator.
-struct FrameTruth {
-  int64_t stamp_ns = 0;
-  ExposureTruth camera;  ///< Of the left camera, or the only one.
-  Pose X_WI;             ///< The IMU at mid-exposure.
-  Pose X_WB;             ///< The robot's root at mid-exposure.
-  GaitState gait;
-  bool left_contact = false, right_contact = false;
+  std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg; the scene's own if absent.
 };
 
 struct SimulatedFrame {
   Observation observation;
-  FrameTruth truth;
+  FilmedTruth truth;  ///< Never shown to an estimator.
 };
 
 enum class SimulationStatus {
@@ -56,7 +46,7 @@ enum class SimulationStatus {
 class Simulation {
  public:
   /// @throws BadInput if the robot cannot do what the gait or path asks; MissingResource if there is no EGL device.
-  Simulation(const Robot& robot, const gaitcam::Place& place, const SimulationOptions& options, uint64_t seed);
+  Simulation(const Robot& robot, const Scene& scene, const SimulationOptions& options, uint64_t seed);
   ~Simulation();
 
   /// What a calibration of the rig would tell a SLAM system.
@@ -73,6 +63,11 @@ class Simulation {
   /// @returns nothing when the scan, or the run, is over.
   std::optional<SimulatedFrame> NextOfScan(const TruthOptions& truth = {});
 
+  /// What a system asks of the body; holds until another command comes.
+  /// @throws BadInput naming what the robot cannot do: a scan out of its head's reach, a gait whose feet touch in
+  /// turns, numbers that are not finite, a run without a duration that leaves its path.
+  void Command(const BodyCommand& command);
+
   /// Asks the robot to stop, to look all around, and to go on; meanwhile, asking again changes nothing. What it sees in
   /// its sweeps has Observation::scan.
   /// @throws BadOption if its head does not reach far enough: see CheckHeadScan.
@@ -80,7 +75,7 @@ class Simulation {
   /// It was asked to and has not gone on yet.
   bool scans() const { return controller_->Scans(); }
 
-  /// Puts the robot elsewhere, at rest and at time 0, as if it had been created there: place, model and renderer are
+  /// Puts the robot elsewhere, at rest and at time 0, as if it had been created there: scene, model and renderer are
   /// those that are there already. @param start x m, y m, yaw deg. @param seed of cameras and sensors; what the first
   /// seed made of masses and friction stays.
   void Restart(const Eigen::Vector3d& start, uint64_t seed);
@@ -97,6 +92,7 @@ class Simulation {
   cv::Mat ThirdPersonView(int width_px, int height_px);
 
  private:
+  void CheckLeavingPath() const;
   bool WalkUntil(int64_t stamp_ns);
   bool WalkToNextFrame();
   SimulatedFrame Film(const TruthOptions& truth);
@@ -128,6 +124,7 @@ class Simulation {
   double end_time_s_ = 0, distance_m_ = 0;
   Eigen::Vector2d last_position_;
   std::vector<JointSample> joints_;  ///< Since the last frame, one per control period.
+  bool left_path_ = false;           ///< It was commanded once to do anything but to follow the path or scan.
   HeadPan head_pan_;
   std::deque<PanSample> pans_;       ///< Of the last exposure and a little more.
   mutable double path_time_s_ = -1;  ///< Once it was asked for.
@@ -140,6 +137,6 @@ void CheckHeadScan(const Robot& robot, const SimulationOptions& options);
 
 /// Whether a robot can do what the options ask, without running it: the model compiles, the gait is within reach.
 /// @throws BadInput or BadOption naming the limit.
-void CheckSimulation(const Robot& robot, const gaitcam::Place& place, const SimulationOptions& options, uint64_t seed);
+void CheckSimulation(const Robot& robot, const Scene& scene, const SimulationOptions& options, uint64_t seed);
 
 }  // namespace gaitcam

@@ -10,7 +10,7 @@ namespace {
 constexpr double kRest_s = 0.5;  ///< After it was put down; servos give way under the weight at first.
 
 SimulationOptions Standing(const Robot& robot, SimulationOptions options) {
-  options.path.kind = "stand";
+  options.path.kind = PathKind::kStand;
   options.path.pan_amplitude_rad = 0;
   options.path.duration_s = 2 * kRest_s;
   options.duration_s = 0;
@@ -20,8 +20,8 @@ SimulationOptions Standing(const Robot& robot, SimulationOptions options) {
 
 }  // namespace
 
-StandingRobot::StandingRobot(const Robot& robot, const Place& place, SimulationOptions options, uint64_t seed)
-    : simulation_(robot, place, Standing(robot, std::move(options)), seed) {}
+StandingRobot::StandingRobot(const Robot& robot, const Scene& scene, SimulationOptions options, uint64_t seed)
+    : simulation_(robot, scene, Standing(robot, std::move(options)), seed) {}
 
 void StandingRobot::Fell(const Eigen::Vector3d& pose) const {
   throw BadInput(fmt::format("the robot cannot stand at x {:.3g} m, y {:.3g} m, yaw {:.3g} deg: it fell after {:.2f} s",

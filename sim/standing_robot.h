@@ -1,5 +1,5 @@
-/// A robot that is put down here and there to look around: what the references and queries of a localisation are made
-/// of. Physics, servos and camera are those of a walk; the place and its pictures are made ready once for all poses.
+/// A robot placed at given poses to film from there: references and queries of localisation experiments. Physics,
+/// servos and camera are those of a walk; the scene is built once for all poses.
 
 #pragma once
 
@@ -11,18 +11,18 @@ namespace gaitcam {
 
 class StandingRobot {
  public:
-  /// @param options where it stands, its path and how long do not matter.
-  /// @throws BadInput, MissingResource as Simulation does; BadOption if it cannot look all around.
-  StandingRobot(const Robot& robot, const Place& place, SimulationOptions options, uint64_t seed);
+  /// @param options its path, start and duration are not used.
+  /// @throws BadInput, MissingResource as Simulation does; BadOption if its head cannot scan 360 degrees.
+  StandingRobot(const Robot& robot, const Scene& scene, SimulationOptions options, uint64_t seed);
 
   const Calibration& calibration() const { return simulation_.calibration(); }
   const EglContext& gl() const { return simulation_.gl(); }
 
-  /// The frames of one scan's sweeps, in order, each with its scan state. The sweeps alone are filmed.
+  /// The frames of one head scan, in order, each with its scan state. Only the sweeps are filmed.
   /// @param pose x m, y m, yaw deg. @param seed of this pose's noise.
-  /// @throws BadInput if the robot falls over, as it does inside of furniture.
+  /// @throws BadInput if the robot falls, for example because the pose lies inside furniture.
   std::vector<SimulatedFrame> Scan(const Eigen::Vector3d& pose, uint64_t seed, const TruthOptions& truth = {});
-  /// One frame of what it sees straight ahead, once it has come to rest. Parameters and errors likewise.
+  /// One frame with the head straight ahead, after the robot has settled. Parameters and errors as for Scan.
   SimulatedFrame View(const Eigen::Vector3d& pose, uint64_t seed, const TruthOptions& truth = {});
 
  private:

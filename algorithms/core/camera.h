@@ -62,6 +62,7 @@ struct Calibration {
   Pose X_LR;                         ///< Maps points of the right camera into the left one.
   bool has_depth = false;
   double frame_rate_hz = 0;
+  double readout_ms = 0;  ///< Rolling shutter: from the first row's exposure to the last row's; 0: global shutter.
   ImuCalibration imu;
   std::optional<StandingCamera> standing;  ///< Absent where it was not measured.
 };

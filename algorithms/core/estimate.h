@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "algorithms/core/floor_picture.h"
-#include "algorithms/core/place_graph.h"
+#include "algorithms/core/map.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/core/trajectory.h"
 
 namespace gaitcam {
@@ -26,18 +26,27 @@ struct FrameEstimate {
   int64_t stamp_ns = 0;
   TrackingStatus status = TrackingStatus::kInitializing;
   std::optional<Pose> pose;  ///< X_WC of the left camera, present exactly when tracking.
-  bool restarted = false;    ///< True when W or its scale was chosen anew at this frame: a marked jump.
-  int features = 0;          ///< Found in this frame.
-  int inliers = 0;           ///< Of those, agreeing with the pose.
+  /// Of the pose, where the system knows it: of tau = (rho, phi) in X_WC Exp(tau), translation first (se3.h), so given
+  /// in the camera's frame; (unit of the pose)^2, unit rad, rad^2. Never without a pose.
+  std::optional<Matrix6d> covariance;
+  bool restarted = false;  ///< True when W or its scale was chosen anew at this frame: a marked jump.
+  int features = 0;        ///< Found in this frame.
+  int inliers = 0;         ///< Of those, agreeing with the pose.
+};
+
+/// What a system says at its end.
+struct FinalEstimate {
+  std::vector<FrameEstimate> frames;  ///< Those that it corrects, by their stamps; the others stand as they were given.
+  std::vector<Map> maps;              ///< In the world of the poses; none of an odometry that keeps none.
+  std::string failure;                ///< Why it stopped working, in one line; empty if it did not.
 };
 
 /// All answers of one run, in frame order.
 struct Estimate {
   std::vector<FrameEstimate> frames;
-  std::string failure;                ///< Why the system stopped working, in one line; empty if it did not.
-  std::optional<FloorPicture> floor;  ///< The floor as it was mapped, in the plane z = 0 of the poses' world.
-  std::optional<PlaceGraph> places;   ///< The topological map, of systems that make one.
-  std::vector<double> track_ms;       ///< Wall time spent per frame; the one part that differs from run to run.
+  std::vector<Map> maps;         ///< In the world of the poses.
+  std::string failure;           ///< Why the system stopped working, in one line; empty if it did not.
+  std::vector<double> track_ms;  ///< Wall time spent per frame; the one part that differs from run to run.
 
   /// The frames that have a pose.
   Trajectory ToTrajectory() const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <numeric>
 
 namespace gaitcam {
 
@@ -21,9 +20,13 @@ bool Words::Contains(const std::string& value) const {
 
 std::string Words::ToText() const {
   if (words.empty()) return "a text";
-  std::string text = "one of ";
-  for (size_t i = 0; i < words.size(); ++i) text += (i ? ", " : "") + words[i];
-  return text;
+  return "one of " + JoinWords(words);
+}
+
+std::string Words::Refusal(const std::string& value) const {
+  const std::string suggestion = DidYouMean(value, words, "");
+  return '"' + value + "\" is not permitted; expected " + ToText() +
+         (suggestion.empty() ? "" : " (" + suggestion + ")");
 }
 
 namespace internal {
@@ -40,27 +43,25 @@ std::string NumberText(double value) {
 
 }  // namespace internal
 
-std::string NearestWord(const std::string& word, const std::vector<std::string>& candidates) {
-  std::string best;
-  size_t best_distance = std::max<size_t>(2, word.size() / 3) + 1;
-  for (const std::string& candidate : candidates) {
-    std::vector<size_t> row(candidate.size() + 1);  // Levenshtein distance, one row at a time
-    std::iota(row.begin(), row.end(), size_t{0});
-    for (size_t i = 1; i <= word.size(); ++i) {
-      size_t diagonal = row[0];
-      row[0] = i;
-      for (size_t j = 1; j <= candidate.size(); ++j) {
-        const size_t substituted = diagonal + (word[i - 1] == candidate[j - 1] ? 0 : 1);
-        diagonal = row[j];
-        row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
-      }
-    }
-    if (row.back() < best_distance) {
-      best_distance = row.back();
-      best = candidate;
-    }
+std::string_view UnitOfKey(std::string_view key) {
+  struct Suffix {
+    std::string_view ending, unit;
+  };
+  static constexpr Suffix kSuffixes[] = {
+      // longer endings first
+      {"_deg_per_m", "deg/m"}, {"_pct_per_m", "%/m"}, {"_m2", "m²"},
+      {"_px_per_m", "px/m"},   {"_rad_s2", "rad/s²"}, {"_rad_s", "rad/s"},
+      {"_deg_s", "deg/s"},     {"_m_s2", "m/s²"},     {"_m_s", "m/s"},
+      {"_deg", "deg"},         {"_rad", "rad"},       {"_pct", "%"},
+      {"_hz", "Hz"},           {"_kg", "kg"},         {"_nm", "N m"},
+      {"_px", "px"},           {"_ms", "ms"},         {"_ns", "ns"},
+      {"_mm", "mm"},           {"_m", "m"},           {"_s", "s"},
+      {"_e", "electrons"},
+  };
+  for (const Suffix& suffix : kSuffixes) {
+    if (key.ends_with(suffix.ending) || key == suffix.ending.substr(1)) return suffix.unit;
   }
-  return best;
+  return {};
 }
 
 }  // namespace gaitcam

@@ -1,16 +1,19 @@
-/// One description of an options struct serves everything: reading it from YAML, writing it back, checking its ranges,
-/// listing its keys and, for editors, its schema.
+/// Described structs: one description of an options struct serves everything that reads, checks, lists or writes it.
 ///
 /// A struct is described by a function found by argument-dependent lookup:
 ///
 ///   struct ExposureOptions { using DescribedTag = void; double exposure_ms = 20; ... };
 ///   template <class Visitor> void VisitFields(Visitor& visit, ExposureOptions& o) {
 ///     visit("exposure_ms", o.exposure_ms, Between(0.0, 1000.0), "shutter open to close");
-///     visit("mode", o.mode, OneOf({"global", "rolling"}), "shutter kind");
+///     visit("shutter", o.shutter, EnumWords<Shutter>(), "shutter kind");
 ///     visit("noise", o.noise, Nested(), "sensor noise");
 ///   }
 ///
-/// A visitor is called with (key, reference to the member, limits, description).
+/// A visitor is called with (key, reference to the member, limits, description). The description is the only one that
+/// the field has: meaning, source, and unit where the key does not end in it (UnitOfKey). A member's own comment says
+/// only what a user need not know.
+///
+/// Readers: option_reader.h. Lists: field_list.h. YAML output: models/code/yaml. JSON Schema: scenarios/code/commands.
 
 #pragma once
 
@@ -21,6 +24,8 @@
 #include <string_view>
 #include <vector>
 
+#include "algorithms/core/did_you_mean.h"
+#include "algorithms/core/enum_words.h"
 #include "algorithms/core/errors.h"
 
 namespace gaitcam {
@@ -47,10 +52,16 @@ struct Words {
   std::vector<std::string> words;
   bool Contains(const std::string& value) const;
   std::string ToText() const;
+  /// "\"value\" is not permitted; expected one of a, b", with the nearest of them.
+  std::string Refusal(const std::string& value) const;
 };
 
 inline Words OneOf(std::vector<std::string> words) { return {std::move(words)}; }
 inline Words AnyText() { return {}; }
+template <DescribedEnum Enum>
+Words AsWords(EnumWords<Enum>) {
+  return {EnumWords<Enum>::List()};
+}
 
 /// No limits of its own: a flag, a vector, or a struct that has VisitFields.
 struct Nested {};
@@ -79,6 +90,10 @@ class RangeChecker {
   void operator()(std::string_view key, std::string& value, const Words& limits, std::string_view) {
     if (!limits.Contains(value)) ThrowOutOfRange(Name(key), '"' + value + '"', limits.ToText());
   }
+  template <DescribedEnum Enum>
+  void operator()(std::string_view key, Enum& value, const EnumWords<Enum>& limits, std::string_view) {
+    if (!limits.Contains(value)) ThrowOutOfRange(Name(key), std::to_string(int(value)), AsWords(limits).ToText());
+  }
   template <class T>
   void operator()(std::string_view key, T& value, Nested, std::string_view) {
     if constexpr (Described<T>) {
@@ -102,7 +117,8 @@ void CheckFields(const T& options, const std::string& prefix = "") {
   VisitFields(checker, const_cast<T&>(options));  // the checker only reads
 }
 
-/// The candidate nearest to `word` by edit distance, or "" when none is near enough to be a slip of the hand.
-std::string NearestWord(const std::string& word, const std::vector<std::string>& candidates);
+/// The unit that a key's suffix says: "m" of `length_m`, "m/s" of `speed_m_s`, "%" of `margin_pct`; "" where it says
+/// none.
+std::string_view UnitOfKey(std::string_view key);
 
 }  // namespace gaitcam

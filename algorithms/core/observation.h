@@ -42,7 +42,8 @@ struct Observation {
   std::optional<Image> depth;       ///< RGB-D rigs only, CV_32FC1, metres.
   std::vector<ImuSample> imu;       ///< In time order, after the previous frame's last, up to this shutter's close.
   std::vector<JointSample> joints;  ///< Likewise. Empty when read from a dataset that has none.
-  std::optional<ScanState> scan;    ///< Set while the robot stands and scans, as the system asked (System::Request).
+  std::optional<ScanState>
+      scan;  ///< Set while the robot stands and scans, as the system asked (a Scan, body_command.h).
 };
 
 }  // namespace gaitcam

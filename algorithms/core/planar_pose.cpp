@@ -26,4 +26,12 @@ PlanarPose BelowCamera(const Pose& X_WC) {
   return {X_WC.translation.head<2>(), std::atan2(forward.y(), forward.x())};
 }
 
+Eigen::Matrix3d PlanarCovariance(const Pose& X_WC, const Matrix6d& covariance) {
+  const Eigen::Matrix3d R_PC = RotZ(-BelowCamera(X_WC).heading) * X_WC.R();
+  Eigen::Matrix<double, 3, 6> J = Eigen::Matrix<double, 3, 6>::Zero();
+  J.topLeftCorner<2, 3>() = R_PC.topRows<2>();
+  J.bottomRightCorner<1, 3>() = R_PC.row(2);
+  return J * covariance * J.transpose();
+}
+
 }  // namespace gaitcam

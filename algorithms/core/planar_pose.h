@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "algorithms/core/pose.h"
+#include "algorithms/core/se3.h"
 
 namespace gaitcam {
 
@@ -33,5 +33,11 @@ Eigen::Vector2d Rotate(const Eigen::Vector2d& v, double angle);
 /// is height and tilt alone.
 /// @pre the camera does not look straight up or down.
 PlanarPose BelowCamera(const Pose& X_WC);
+
+/// The part of a camera pose's uncertainty that lies in the floor.
+/// @param covariance of X_WC, in the tangent of se3.h.
+/// @returns that of the position's x and y (m) and of the rotation about the vertical (rad), in the frame below the
+/// camera.
+Eigen::Matrix3d PlanarCovariance(const Pose& X_WC, const Matrix6d& covariance);
 
 }  // namespace gaitcam

@@ -12,7 +12,7 @@
 namespace gaitcam {
 namespace {
 
-/// What is left of a pair's motion after the measured one, whitened.
+/// Residual of a relative pose, whitened.
 struct Difference {
   PlanarPose motion;
   Eigen::Matrix3d root_information;
@@ -22,7 +22,7 @@ struct Difference {
     using std::cos;
     using std::sin;
     const T x = to[0] - from[0], y = to[1] - from[1];
-    // The difference of the places, seen from `from`, then turned into the frame of `to` as it was measured.
+    // The difference in position in the frame of `from`, then in the measured frame of `to`.
     const T dx = cos(from[2]) * x + sin(from[2]) * y - motion.position.x();
     const T dy = -sin(from[2]) * x + cos(from[2]) * y - motion.position.y();
     const double c = cos(motion.heading), s = sin(motion.heading);
@@ -44,7 +44,7 @@ std::vector<PlanarPose> SolvePlanarGraph(const std::vector<PlanarPose>& start, c
     GAITCAM_ASSERT(edge.from >= 0 && edge.to >= 0 && size_t(std::max(edge.from, edge.to)) < start.size());
     const Eigen::Matrix3d root = Eigen::Matrix3d(edge.covariance.inverse()).llt().matrixU();
     Difference difference{edge.motion, root};
-    // Whole turns do not count between places met twice.
+    // A loop closure measures heading modulo a full turn.
     const double turn = start[size_t(edge.to)].heading - start[size_t(edge.from)].heading;
     difference.motion.heading = turn + WrapAngle(edge.motion.heading - turn);
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Difference, 3, 3, 3>(new Difference(difference)),

@@ -1,4 +1,4 @@
-/// The planar poses that agree best with measured motions between them: pose-graph least squares.
+/// Pose graph of planar poses: least squares over measured relative poses.
 
 #pragma once
 
@@ -9,16 +9,16 @@
 
 namespace gaitcam {
 
-/// A measured motion from one pose to another.
+/// A measured relative pose.
 struct PlanarEdge {
   int from = 0, to = 0;
   PlanarPose motion;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< Of x, y (m), yaw (rad), in the frame of `to`.
-  bool may_be_wrong = false;  ///< Counts less, the farther it is off (Cauchy): a place may be taken for another.
+  bool may_be_wrong = false;  ///< Of a loop closure: Cauchy's robust loss, against false ones.
 };
 
-/// Minimises the sum of squared, whitened differences; the first pose stays.
-/// @param start to begin from; yaw as it is, whole turns kept. @returns as many poses.
+/// Minimises the sum of squared whitened residuals; the first pose is held.
+/// @param start initial values; headings need not be wrapped, full turns are kept. @returns as many poses.
 std::vector<PlanarPose> SolvePlanarGraph(const std::vector<PlanarPose>& start, const std::vector<PlanarEdge>& edges);
 
 }  // namespace gaitcam

@@ -29,15 +29,15 @@ double EffectiveSampleSize(const std::vector<double>& weights) {
 
 std::vector<int> LowVarianceResample(const std::vector<double>& weights, int n, RandomStream& random) {
   GAITCAM_ASSERT(!weights.empty() && n > 0);
-  std::vector<int> chosen;
+  std::vector<int> indices;
   const double step = 1.0 / n, start = step * random.Uniform();
-  double cumulated = weights[0];
+  double cumulative = weights[0];
   int i = 0;
   for (int k = 0; k < n; ++k) {
-    while (start + k * step >= cumulated && i + 1 < int(weights.size())) cumulated += weights[size_t(++i)];
-    chosen.push_back(i);
+    while (start + k * step >= cumulative && i + 1 < int(weights.size())) cumulative += weights[size_t(++i)];
+    indices.push_back(i);
   }
-  return chosen;
+  return indices;
 }
 
 }  // namespace gaitcam

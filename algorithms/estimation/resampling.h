@@ -1,4 +1,4 @@
-/// Weighted samples: how many of them still count, and drawing a new generation.
+/// Resampling of weighted samples (particles).
 
 #pragma once
 
@@ -11,12 +11,12 @@ namespace gaitcam {
 /// Weights that sum to 1, from logarithms up to a common constant. All minus infinity: equal weights.
 std::vector<double> NormalisedWeights(const std::vector<double>& log_weights);
 
-/// 1 / sum w^2: from 1 (one sample carries all) to their number. @param weights sum to 1.
+/// Effective sample size 1 / sum w^2: from 1 (one sample has all weight) to their number. @param weights sum to 1.
 double EffectiveSampleSize(const std::vector<double>& weights);
 
-/// Low-variance (systematic) resampling: one random number, then equal steps through the cumulated weights, so that
+/// Low-variance (systematic) resampling: one random number, then equal steps through the cumulative weights, so that
 /// sample i is drawn floor(n w_i) or ceil(n w_i) times.
-/// @param weights sum to 1. @returns n indices in rising order.
+/// @param weights sum to 1. @returns n indices in increasing order.
 std::vector<int> LowVarianceResample(const std::vector<double>& weights, int n, RandomStream& random);
 
 }  // namespace gaitcam

@@ -36,12 +36,12 @@ Residual ResidualOf(double sigma, double extent, double adapted) {
 double AdaptedSigma(double sigma, double extent_px) {
   GAITCAM_ASSERT(sigma > 0 && extent_px >= 0);
   constexpr double kSharp_px = 1e-3;  // below this there is nothing to make up for
-  constexpr double kLeast = 0.05;     // part of sigma; a narrower Gaussian is a single sample
+  constexpr double kMinShare = 0.05;  // part of sigma; a narrower Gaussian is a single sample
   constexpr double kConverged = 1e-9;
   if (extent_px < kSharp_px) return sigma;
   // Start where the variances add up: sigma'^2 + extent^2 / 12 = sigma^2.
   double x = std::log(std::sqrt(std::max(sigma * sigma - extent_px * extent_px / 12, sigma * sigma * 0.04)));
-  const double lowest = std::log(kLeast * sigma), highest = std::log(sigma);
+  const double lowest = std::log(kMinShare * sigma), highest = std::log(sigma);
   double damping = 1e-3;
   Residual r = ResidualOf(sigma, extent_px, std::exp(x));
   for (int i = 0; i < 100; ++i) {  // Levenberg-Marquardt in one unknown, log sigma'

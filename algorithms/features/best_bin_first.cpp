@@ -9,6 +9,7 @@
 #include <queue>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/popcnt_clones.h"
 
 namespace gaitcam {
 namespace {
@@ -35,28 +36,15 @@ float ComponentOf(const cv::Mat& descriptors, int row, int dimension, bool binar
 
 }  // namespace
 
-#if defined(__x86_64__)
-// The same bits counted with the processor's instruction where it has one.
-__attribute__((target("popcnt"))) static int HammingPopcnt(const uchar* a, const uchar* b, int bytes) {
+GAITCAM_POPCNT_CLONES int HammingDistance(const uchar* a, const uchar* b, int bytes) {
   int bits = 0, k = 0;
   for (; k + 8 <= bytes; k += 8) {
     uint64_t x, y;
     std::memcpy(&x, a + k, 8);
     std::memcpy(&y, b + k, 8);
-    bits += int(__builtin_popcountll(x ^ y));
+    bits += std::popcount(x ^ y);
   }
-  for (; k < bytes; ++k) bits += __builtin_popcount(unsigned(a[k] ^ b[k]));
-  return bits;
-}
-#endif
-
-int HammingDistance(const uchar* a, const uchar* b, int bytes) {
-#if defined(__x86_64__)
-  static const bool has_popcnt = __builtin_cpu_supports("popcnt");
-  if (has_popcnt) return HammingPopcnt(a, b, bytes);
-#endif
-  int bits = 0;
-  for (int k = 0; k < bytes; ++k) bits += std::popcount(uchar(a[k] ^ b[k]));
+  for (; k < bytes; ++k) bits += std::popcount(uchar(a[k] ^ b[k]));
   return bits;
 }
 
@@ -89,8 +77,8 @@ float BestBinFirstTree::Distance(const cv::Mat& query, int row) const {
 /// @returns dimension and median; dimension -1 if all are equal.
 std::pair<int, float> BestBinFirstTree::ChooseSplit(int begin, int end) const {
   const int dimensions = descriptors_.cols * (binary_ ? 8 : 1);
-  constexpr int kMostSamples = 100;  // enough to tell a wide dimension from a narrow one
-  const int stride = std::max(1, (end - begin) / kMostSamples);
+  constexpr int kMaxSamples = 100;  // enough to rank variances
+  const int stride = std::max(1, (end - begin) / kMaxSamples);
   std::vector<double> sum(size_t(dimensions), 0.0), sum2(sum);
   int count = 0;
   for (int i = begin; i < end; i += stride, ++count) {
@@ -158,7 +146,7 @@ TwoNearest BestBinFirstTree::Search(const cv::Mat& query, int max_candidates) co
       const float offset = ComponentOf(query, 0, here.dimension, binary_) - here.split;
       // For a bit the split lies at 0.5: the other bin is one bit away.
       const float offset2 = binary_ ? 1.0f : offset * offset;
-      float before = 0;  // the offset along this dimension that the way here has paid already
+      float before = 0;  // offset along this dimension that is part of the distance already
       for (int b = taken; b >= 0; b = branches[size_t(b)].parent) {
         if (branches[size_t(b)].dimension == here.dimension) {
           before = branches[size_t(b)].offset2;

@@ -34,8 +34,8 @@ struct TwoNearest {
 
 class BestBinFirstTree {
  public:
-  /// Splits at the median of the widest-spread dimension; of binary descriptors, at the bit that is set most nearly
-  /// half of the time.
+  /// Splits at the median of the dimension of largest variance; binary descriptors, at the bit whose mean is nearest to
+  /// one half.
   /// @param descriptors CV_32FC1 or CV_8UC1, one per row; must outlive the tree.
   explicit BestBinFirstTree(const cv::Mat& descriptors);
 

@@ -1,5 +1,5 @@
-/// What the detectors that know about motion blur have in common: they are cv::Feature2D, and they can be told the blur
-/// (by a gyroscope, or by the truth) instead of estimating it.
+/// Base of the detectors that account for motion blur: a cv::Feature2D that can be given the blur (from a gyroscope, or
+/// the ground truth) instead of estimating it.
 
 #pragma once
 
@@ -14,7 +14,7 @@ namespace gaitcam {
 
 class BlurAwareFeature : public cv::Feature2D {
  public:
-  /// Takes this as the whole image's blur from now on, as certain; nullopt: estimate it again.
+  /// Uses this as the whole image's blur from now on, with confidence 1; nullopt: estimate it again.
   void SetBlur(const std::optional<LineBlur>& blur);
   /// The same for an image whose parts have a blur of their own. Regions cover the images to come; none: estimate
   /// again.

@@ -4,7 +4,7 @@
 ///   du = b_x + x (x b_x + y b_y) + f t_z y,    dv = b_y + y (x b_x + y b_y) - f t_z x,
 /// where (b_x, b_y) = f (-t_y, t_x) is the motion at the image's centre (Longuet-Higgins and Prazdny 1980, the terms of
 /// rotation). Spectra of overlapping tiles say which lines fit each tile; the three numbers that fit all tiles at once
-/// are the field. So a tile of little texture costs nothing, and no tile needs to be decided alone.
+/// are the field. So a tile of little texture does no harm, and no tile is decided alone.
 
 #pragma once
 
@@ -21,7 +21,7 @@ struct BlurFieldOptions {
   using DescribedTag = void;
   int tile_px = 128;             ///< Side of the tiles, a power of two.
   double focal_px = 0;           ///< f; 0: unknown, the field is then taken to be affine (f infinite).
-  double max_extent_px = 50;     ///< Longest blur looked for, at the centre and from the roll at the corners.
+  double max_extent_px = 50;     ///< Longest blur considered, at the centre and from the roll at the corners.
   double verdict_px = 6;         ///< Shorter blurs are left alone.
   double min_confidence = 0.6;   ///< For the verdict "blurred".
   double tolerance_px = 2;       ///< Regions are divided until the blur in them varies by less than this,
@@ -36,7 +36,7 @@ template <class Visitor>
 void VisitFields(Visitor& visit, BlurFieldOptions& o) {
   visit("tile_px", o.tile_px, Between(64, 256), "side of the tiles, a power of two");
   visit("focal_px", o.focal_px, Between(0, 1e6), "focal length; 0 is unknown");
-  visit("max_extent_px", o.max_extent_px, Between(8, 60), "longest blur looked for");
+  visit("max_extent_px", o.max_extent_px, Between(8, 60), "longest blur considered");
   visit("verdict_px", o.verdict_px, Between(0, 60), "shorter blurs are left alone");
   visit("min_confidence", o.min_confidence, Between(0, 1), "for the verdict blurred");
   visit("tolerance_px", o.tolerance_px, Between(0.1, 100), "how much the blur may vary in a region");
@@ -45,7 +45,7 @@ void VisitFields(Visitor& visit, BlurFieldOptions& o) {
 }
 
 struct BlurField {
-  Eigen::Vector2d at_centre = Eigen::Vector2d::Zero();  ///< (b_x, b_y), px. The sign of the whole field is free.
+  Eigen::Vector2d at_centre = Eigen::Vector2d::Zero();  ///< (b_x, b_y), px. The sign of the whole field is arbitrary.
   double roll_rad = 0;                                  ///< t_z: turn about the optical axis.
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();     ///< Of the image, px.
   double focal_px = 0;                                  ///< 0: infinite.

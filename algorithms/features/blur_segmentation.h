@@ -1,7 +1,7 @@
 /// Division of an image into parts with a blur of their own: the modified K-means clustering of the thesis (section
 /// 5.3.1, equation 5.17).
 ///
-/// blur_field.h has another way, which follows rotation about the optical axis.
+/// blur_field.h is an alternative that models rotation about the optical axis.
 
 #pragma once
 
@@ -16,7 +16,7 @@ namespace gaitcam {
 
 struct BlurSegmentationOptions {
   using DescribedTag = void;
-  int clusters = 2;                 ///< K; the thesis finds that 2 does.
+  int clusters = 2;                 ///< K; 2 is enough, by the thesis.
   int directions = 18;              ///< Bins of the histogram of each sample point.
   int sample_step_px = 10;          ///< Between sample points.
   int max_iterations = 30;          ///< Stops there if the labels still change.

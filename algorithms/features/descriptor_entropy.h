@@ -1,4 +1,4 @@
-/// Discarding features that say little (thesis, section 5.3.2, equation 5.18).
+/// Discarding features of low entropy (thesis, section 5.3.2, equation 5.18).
 
 #pragma once
 

@@ -30,9 +30,9 @@ cv::Ptr<cv::Feature2D> MakeAkaze(double sensitivity) {
 }
 
 cv::Ptr<cv::Feature2D> MakeOrb(double sensitivity) {
-  constexpr int kMost = 5000;  // ORB has to be told a number; callers keep the strongest they want
+  constexpr int kMaxPoints = 5000;  // callers keep the strongest they want
   const int fast_threshold = std::max(1, int(20 / sensitivity));
-  return cv::ORB::create(kMost, 1.2f, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31, fast_threshold);
+  return cv::ORB::create(kMaxPoints, 1.2f, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31, fast_threshold);
 }
 
 MobifOptions Sensitive(MobifOptions options, double sensitivity) {
@@ -93,11 +93,7 @@ cv::Ptr<cv::Feature2D> MakeFeature2d(const std::string& name, double sensitivity
     if (entry.info.name == name) return entry.make(sensitivity);
     names.push_back(entry.info.name);
   }
-  const std::string near = NearestWord(name, names);
-  std::string all;
-  for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
-  throw BadInput("feature " + name + ": there is no such detector; " +
-                 (near.empty() ? "known: " + all : "did you mean " + near + "?"));
+  throw BadInput("feature " + name + ": there is no such detector; " + DidYouMean(name, names));
 }
 
 Features DetectFeatures(cv::Feature2D& detector, const cv::Mat& image, int max_features) {

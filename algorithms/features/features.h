@@ -1,5 +1,8 @@
 /// Interest points and their descriptors, and every detector by name.
 ///
+/// Source of this folder, where it says "thesis": Alberto Pretto, Visual-SLAM for Humanoid Robots, PhD thesis,
+/// University of Padua: section 3.5 (features and their matching) and chapter 5 (MoBIF, features for blurred images).
+///
 /// All detectors are cv::Feature2D, so that they can be dropped into any OpenCV program and any cv::Feature2D into
 /// ours.
 

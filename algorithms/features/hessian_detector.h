@@ -1,4 +1,4 @@
-/// Interest points where the determinant of the Hessian has a maximum over place and scale (thesis, section 5.2.3,
+/// Interest points where the determinant of the Hessian has a maximum over position and scale (thesis, section 5.2.3,
 /// equations 5.8 and 5.9).
 
 #pragma once
@@ -10,7 +10,7 @@
 
 namespace gaitcam {
 
-/// What an interest point looks like; points of different kinds are never the same.
+/// Sign of an interest point's contrast; points of different kinds never correspond.
 enum class PointKind { kDark = 0, kBright = 1, kSaddle = 2 };
 
 /// An interest point of one octave.

@@ -33,11 +33,11 @@ struct LineBlur {
   }
 };
 
-/// What an estimator of the point spread function says.
+/// Result of an estimator of the point spread function.
 struct BlurEstimate {
-  LineBlur blur;          ///< Best guess, also where `blurred` is false.
-  double confidence = 0;  ///< 0: a guess; 1: certain. What it means is the estimator's: it says in its header.
-  bool blurred = false;   ///< The verdict: false means leave the image alone.
+  LineBlur blur;          ///< Best estimate, also where `blurred` is false.
+  double confidence = 0;  ///< From 0 to 1; each estimator's header defines it.
+  bool blurred = false;   ///< False: the image is to be left unchanged.
 };
 
 /// A part of an image with blur of its own.

@@ -8,10 +8,10 @@
 namespace gaitcam {
 namespace {
 
-constexpr double kLeastFloor = 0.003;  ///< A zero is never seen deeper than this.
+constexpr double kMinFloor = 0.003;  ///< A zero is never seen deeper than this.
 /// A floor is measured too high, as a zero's neighbourhood counts for it, and too high a floor shortens the blur (by
 /// 0.5 px at 20 px and noise of 5 grey levels), while too low a one costs next to nothing.
-constexpr double kFloorShare = 0.1;
+constexpr double kNoiseFloorShare = 0.1;
 constexpr double kBlurSkewness = 0.5;  ///< From here on (below minus this) a ripple is that of zeros.
 
 double SincSquared(double x) {
@@ -102,7 +102,7 @@ LineSpectra::Templates LineSpectra::MakeTemplates(const LogSpectrum& log, const 
     for (int r = 0; r < kRings; ++r) {
       const auto weight = samples.segment<kBins>(r * kBins);
       auto ripple = t.values.col(e).segment<kBins>(r * kBins);
-      const float floor = std::max(float(kLeastFloor), floors[size_t(r)]);
+      const float floor = std::max(float(kMinFloor), floors[size_t(r)]);
       for (int b = 0; b < kBins; ++b) ripple[b] = std::log(power_(b, t.first + e) + floor);
       SubtractRunningMean(ripple, half_period);
       const float total = weight.sum();
@@ -160,7 +160,7 @@ int LineSpectra::Index(const Templates& templates, double extent_px) const {
 std::vector<float> LineSpectra::MeasureFloors(const LogSpectrum& log, const LineFit& fit,
                                               const std::vector<float>& otherwise) const {
   constexpr float kLit = 0.3f, kDark = 0.08f;  // of a period from its middle, and from zeros
-  constexpr int kLeastSamples = 8;
+  constexpr int kMinSamples = 8;
   struct Mean {
     double sum = 0;
     int count = 0;
@@ -178,8 +178,8 @@ std::vector<float> LineSpectra::MeasureFloors(const LogSpectrum& log, const Line
   }
   std::vector<float> floors = otherwise;
   for (size_t r = 0; r < size_t(kRings); ++r) {
-    if (lit[r].count < kLeastSamples || dark[r].count < kLeastSamples) continue;
-    floors[r] = float(kFloorShare * std::exp(dark[r].sum / dark[r].count - lit[r].sum / lit[r].count));
+    if (lit[r].count < kMinSamples || dark[r].count < kMinSamples) continue;
+    floors[r] = float(kNoiseFloorShare * std::exp(dark[r].sum / dark[r].count - lit[r].sum / lit[r].count));
   }
   return floors;
 }

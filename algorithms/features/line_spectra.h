@@ -1,4 +1,4 @@
-/// What the power spectra of lines look like, and how well the logarithm of an image's agrees.
+/// Power spectra of line blurs, and their correlation with the logarithm of an image's.
 ///
 /// The spectrum of a line is sinc^2 of its length times the frequency along it, with zeros on equidistant parallel
 /// lines. The logarithm turns the product of image and blur into a sum; the blur's part is then known up to direction

@@ -10,7 +10,7 @@ namespace gaitcam {
 namespace {
 
 constexpr int kFineRings = 4;  ///< In each ring, over which means are taken.
-constexpr double kLeastShare = 0.1, kMostShare = 0.95;
+constexpr double kLowShare = 0.1, kHighShare = 0.95;
 
 std::vector<float> HannWindow(int length) {
   std::vector<float> window(static_cast<size_t>(length));
@@ -123,8 +123,8 @@ LogSpectrum MakeLogSpectrum(const PowerSpectrum& spectrum, double low, double hi
     for (const float v : ring) sum += double(v);
     means.push_back(ring.empty() ? 0.0f : float(sum / double(ring.size())));
     if (ring.empty()) continue;
-    const auto low_rank = ring.begin() + long(kLeastShare * double(ring.size()));
-    const auto high_rank = ring.begin() + long(kMostShare * double(ring.size()));
+    const auto low_rank = ring.begin() + long(kLowShare * double(ring.size()));
+    const auto high_rank = ring.begin() + long(kHighShare * double(ring.size()));
     std::nth_element(ring.begin(), low_rank, ring.end());
     const float least = *low_rank;
     std::nth_element(ring.begin(), high_rank, ring.end());

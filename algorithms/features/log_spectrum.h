@@ -1,4 +1,4 @@
-/// The logarithm of an image's power spectrum, made ready to be compared with that of a blur.
+/// The logarithm of an image's power spectrum, normalised for comparison with that of a blur.
 
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace gaitcam {
 
-/// One frequency of half the plane (the other half says the same of a real image).
+/// One frequency of half the plane (the other half is redundant, as the image is real).
 struct SpectrumSample {
   float fx = 0, fy = 0;  ///< Cycles per px; x to the right, y down.
   float value = 0;       ///< Log power less the mean over all directions at this radius.

@@ -54,8 +54,8 @@ class Mobif : public BlurAwareFeature {
     if (regions.size() == 1 && blurred->estimate.confidence < options_.restore_confidence)
       return BuildAdaptedScaleSpace(Unchanged(grey), blurred->estimate.blur, options_.scale_space, adapted_sigma_);
     const bool of_light =
-        options_.light == "linear" ||
-        (options_.light == "auto" && BlurActedOnLight(grey(blurred->rectangle), blurred->estimate.blur));
+        options_.light == BlurDomain::kLinear ||
+        (options_.light == BlurDomain::kAuto && BlurActedOnLight(grey(blurred->rectangle), blurred->estimate.blur));
     const cv::Mat restored = Restored(of_light ? LightOfGrey(grey) : Unchanged(grey), regions);
     return BuildScaleSpace(of_light ? GreyOfLight(restored) : restored, options_.scale_space);
   }

@@ -1,8 +1,9 @@
-/// MoBIF features, as good as they can be made: the image is restored where its blur is certain, smoothed less along
-/// the blur where it is not, and left alone where it is sharp.
+/// MoBIF features, both approaches of the thesis combined: the image is restored where its blur is known with
+/// confidence, its scale space is adapted where it is not, and a sharp image is left unchanged.
 
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "algorithms/core/fields.h"
@@ -14,18 +15,25 @@
 
 namespace gaitcam {
 
+/// What a blur averaged: light, or the grey values that a response curve made of it (light_response.h).
+enum class BlurDomain { kAuto, kLinear, kDisplay };
+constexpr auto WordsOf(BlurDomain) {
+  return std::array{EnumWord{BlurDomain::kAuto, "auto"}, EnumWord{BlurDomain::kLinear, "linear"},
+                    EnumWord{BlurDomain::kDisplay, "display"}};
+}
+
 struct MobifOptions {
   using DescribedTag = void;
   std::string psf = "spectral";  ///< Estimator by name: see psf.h.
   double least_extent_px = 6;    ///< A shorter blur is left alone.
   /// Of the estimate, from which the image is restored; below, a blurred image's scale space is adapted.
   double restore_confidence = 0.6;
-  bool regions = false;        ///< Blur that varies over the image (blur_field.h) instead of one for all of it.
-  std::string light = "auto";  ///< Whether light or grey values were added up: "linear", "display", or by the image.
+  bool regions = false;  ///< Blur that varies over the image (blur_field.h) instead of one for all of it.
+  BlurDomain light = BlurDomain::kAuto;  ///< `auto`: judged by the image.
   WienerOptions wiener;
   ScaleSpaceOptions scale_space;
-  /// Begin at twice the resolution where the image is sharp. Places points of two sharp images better (0.10 instead of
-  /// 0.14 px on a walk) for twice the time, but crowds out the coarser points that a blurred image still has.
+  /// Begin at twice the resolution where the image is sharp. Localises points of two sharp images better (0.10 instead
+  /// of 0.14 px on a walk) for twice the time, but crowds out the coarser points that a blurred image still has.
   bool double_sharp = false;
   HessianOptions hessian;
   /// At most so many points per million pixels; the strongest are kept. hessian.max_points holds as well.
@@ -44,14 +52,15 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("least_extent_px", o.least_extent_px, AtLeast(0), "a shorter blur is left alone");
   visit("restore_confidence", o.restore_confidence, Between(0, 1), "from which the image is restored");
   visit("regions", o.regions, Nested(), "blur that varies over the image");
-  visit("light", o.light, OneOf({"auto", "linear", "display"}), "what the blur added up");
+  visit("light", o.light, EnumWords<BlurDomain>(),
+        "what the blur averaged: light, grey values, or judged by the image");
   visit("wiener", o.wiener, Nested(), "restoration");
   visit("scale_space", o.scale_space, Nested(), "scales");
   visit("double_sharp", o.double_sharp, Nested(), "begin at twice the resolution where the image is sharp");
   visit("hessian", o.hessian, Nested(), "interest points");
   visit("points_per_megapixel", o.points_per_megapixel, AtLeast(100), "at most; the strongest are kept");
   visit("sift", o.sift, Nested(), "descriptors");
-  visit("discard_low_entropy", o.discard_low_entropy, Nested(), "discard features that say little");
+  visit("discard_low_entropy", o.discard_low_entropy, Nested(), "discard features of low entropy");
 }
 
 /// Options that cost about half as much: fewer points.

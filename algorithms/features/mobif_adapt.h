@@ -1,5 +1,5 @@
 /// MoBIF features, second approach (thesis, section 5.3): the image is divided into rectangles with a blur of their
-/// own; each has a scale space that smooths less along its blur; features that say little are discarded.
+/// own; each has a scale space that smooths less along its blur; features of low entropy are discarded.
 
 #pragma once
 
@@ -28,7 +28,7 @@ template <class Visitor>
 void VisitFields(Visitor& visit, MobifAdaptOptions& o) {
   visit("segmentation", o.segmentation, Nested(), "division into rectangles");
   visit("margin_px", o.margin_px, Between(0, 1000), "pixels of its neighbours that a rectangle sees");
-  visit("discard_low_entropy", o.discard_low_entropy, Nested(), "discard features that say little");
+  visit("discard_low_entropy", o.discard_low_entropy, Nested(), "discard features of low entropy");
   visit("scale_space", o.scale_space, Nested(), "scales");
   visit("hessian", o.hessian, Nested(), "interest points");
   visit("sift", o.sift, Nested(), "descriptors");

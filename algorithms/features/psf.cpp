@@ -35,14 +35,7 @@ std::unique_ptr<PsfEstimator> MakePsfEstimator(const std::string& name) {
     if (entry.info.name == name) return entry.make();
     names.push_back(entry.info.name);
   }
-  const std::string nearest = NearestWord(name, names);
-  std::string text = "unknown estimator of the point spread function \"" + name + "\"; ";
-  if (!nearest.empty()) {
-    text += "did you mean \"" + nearest + "\"?";
-  } else {
-    text += "known are spectral and whitening";
-  }
-  throw BadInput(text);
+  throw BadInput("unknown estimator of the point spread function \"" + name + "\"; " + DidYouMean(name, names));
 }
 
 }  // namespace gaitcam

@@ -1,8 +1,8 @@
 /// Estimators of an image's point spread function, behind one interface.
 ///
-/// Two look at the image alone and are made by name: "whitening" (the thesis, section 5.2.1) and "spectral". Two are
-/// told more than the image, and are made from what they are told: InertialPsf (psf_inertial.h) from gyroscope
-/// readings, OraclePsf (psf_oracle.h) from the truth, for experiments.
+/// Two use the image alone and are made by name: "whitening" (the thesis, section 5.2.1) and "spectral". Two use
+/// other data and are constructed from these: InertialPsf (psf_inertial.h) from gyroscope readings, OraclePsf
+/// (psf_oracle.h) from the ground truth, for experiments.
 
 #pragma once
 
@@ -21,7 +21,7 @@ class PsfEstimator {
 
   /// The one blur that fits a part of an image best. Has no state: the same image gives the same bits.
   /// @param grey CV_8UC1, not empty.
-  /// @param region the part to look at; clipped to the image. Too small a part (each estimator says) gives blurred ==
+  /// @param region the part to evaluate; clipped to the image. Too small a part (each estimator says) gives blurred ==
   /// false and confidence 0.
   virtual BlurEstimate Estimate(const cv::Mat& grey, const cv::Rect& region) const = 0;
 

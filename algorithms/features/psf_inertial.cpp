@@ -95,7 +95,7 @@ BlurEstimate InertialPsf::Estimate(const cv::Mat& grey, const cv::Rect& region) 
   const cv::Rect seen = region & cv::Rect({0, 0}, grey.size());
   if (seen.area() == 0) return {};
   cv::Mat vectors(kGrid, kGrid, CV_32FC2);
-  double net = 0, way = 0;
+  double net = 0, length = 0;
   for (int j = 0; j < kGrid; ++j) {
     for (int i = 0; i < kGrid; ++i) {
       const std::vector<Eigen::Vector2d> path =
@@ -104,12 +104,12 @@ BlurEstimate InertialPsf::Estimate(const cv::Mat& grey, const cv::Rect& region) 
       vectors.at<cv::Vec2f>(j, i) = {float(vector.x()), float(vector.y())};
       if (!vector.allFinite()) continue;
       net += vector.norm();
-      for (size_t k = 1; k < path.size(); ++k) way += (path[k] - path[k - 1]).norm();
+      for (size_t k = 1; k < path.size(); ++k) length += (path[k] - path[k - 1]).norm();
     }
   }
   BlurEstimate estimate;
   estimate.blur = MeanBlur(vectors);
-  estimate.confidence = way > 0 ? std::min(1.0, net / way) : 1;
+  estimate.confidence = length > 0 ? std::min(1.0, net / length) : 1;
   estimate.blurred = estimate.blur.extent_px >= verdict_px_;
   return estimate;
 }

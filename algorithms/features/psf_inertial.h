@@ -1,8 +1,8 @@
-/// Blur from what the gyroscope felt while the shutter was open, without a look at the image.
+/// Blur from the angular rates that the gyroscope measured while the shutter was open; the image is not used.
 ///
 /// Assumes that the camera only turns: a translation of t metres adds f t / depth pixels, which at 20 ms, 0.2 m/s and
-/// 1 m is a tenth of what 1 rad/s of rotation does. Also that the IMU sits still relative to the camera: where a neck
-/// moves between them, its rate is missing.
+/// 1 m is a tenth of what 1 rad/s of rotation does. Also that the IMU is fixed to the camera: the rate of a neck
+/// joint between them would be missing.
 
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace gaitcam {
 
-/// How the camera was turned at an instant of the exposure: rotation maps directions in the camera at mid-exposure
+/// Orientation of the camera at an instant of the exposure: rotation maps directions in the camera at mid-exposure
 /// into the camera at `stamp_ns`.
 struct ExposureRotation {
   int64_t stamp_ns = 0;
@@ -42,13 +42,13 @@ class InertialPsf : public PsfEstimator {
 
   /// Where the point that lies at `pixel` at mid-exposure was at each instant of rotations(), px.
   std::vector<Eigen::Vector2d> Path(const Eigen::Vector2d& pixel) const;
-  /// From its first to its last place.
+  /// From its first to its last position.
   Eigen::Vector2d BlurVector(const Eigen::Vector2d& pixel) const;
   LineBlur At(const Eigen::Vector2d& pixel) const { return LineBlur::FromVector(BlurVector(pixel)); }
   const std::vector<ExposureRotation>& rotations() const { return rotations_; }
 
   /// The mean of the blurs over a grid of the region (MeanBlur). Confidence is the path's straightness there: net
-  /// vector over length of the way, 0 for a camera that went there and back.
+  /// displacement over path length, 0 for a camera that returned to where it was.
   BlurEstimate Estimate(const cv::Mat& grey, const cv::Rect& region) const override;
 
  private:

@@ -1,4 +1,4 @@
-/// A point spread function that is known: for experiments that ask what an error of the estimate costs.
+/// A known point spread function: for experiments on the sensitivity to errors of the estimate.
 
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace gaitcam {
 
-/// Says what it was told, with confidence 1. `blurred` is true from `verdict_px` on.
+/// Returns what it was given, with confidence 1. `blurred` is true from `verdict_px` on.
 class OraclePsf : public PsfEstimator {
  public:
   /// One blur for the whole image.

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/units.h"
 
 namespace gaitcam {
 namespace {
 
-constexpr int kLeastSide = 64;
+constexpr int kMinSide = 64;
 constexpr int kDirections = 60;  ///< Of the first search: every 3 degrees.
-constexpr double kDegree = M_PI / 180;
 /// The ripple of a short line is broad, and a structured image resembles it more easily: long lines are looked for
 /// apart from short ones, as many of these as of those.
 constexpr double kLongFrom = 12;
@@ -78,7 +78,7 @@ LineFit SpectralPsf::Refine(const LogSpectrum& log, LineFit fit, double& agreeme
     return found;
   };
   fit = at(fit.direction_rad);
-  for (double step = 1.5 * kDegree; step > 0.1 * kDegree; step /= 2) {
+  for (double step = 1.5 * kRadPerDeg; step > 0.1 * kRadPerDeg; step /= 2) {
     const double middle = fit.direction_rad;
     for (const double direction : {middle - step, middle + step}) {
       const LineFit beside = at(direction);
@@ -113,7 +113,7 @@ BlurEstimate SpectralPsf::Estimate(const PowerSpectrum& spectrum) const {
 BlurEstimate SpectralPsf::Estimate(const cv::Mat& grey, const cv::Rect& region) const {
   GAITCAM_ASSERT(grey.type() == CV_8UC1);
   const cv::Rect seen = region & cv::Rect({0, 0}, grey.size());
-  if (seen.width < kLeastSide || seen.height < kLeastSide) return {};
+  if (seen.width < kMinSide || seen.height < kMinSide) return {};
   PowerSpectrum spectrum(options_.window_px);
   spectrum.Add(Laplacian(grey(seen)));
   return Estimate(spectrum);

@@ -15,10 +15,10 @@ namespace gaitcam {
 struct SpectralOptions {
   using DescribedTag = void;
   int window_px = 256;           ///< Side of the windows, a power of two; a smaller image is padded with zeros.
-  double low_frequency = 0.02;   ///< Cycles/px: below, the image's own structure rules.
-  double high_frequency = 0.30;  ///< Above, noise does.
-  double min_extent_px = 4;      ///< Shortest blur looked for: its first zero must lie below high_frequency.
-  double max_extent_px = 60;     ///< Longest blur looked for.
+  double low_frequency = 0.02;   ///< Cycles/px: below, the scene's structure dominates.
+  double high_frequency = 0.30;  ///< Above, noise dominates.
+  double min_extent_px = 4;      ///< Shortest blur considered: its first zero must lie below high_frequency.
+  double max_extent_px = 60;     ///< Longest blur considered.
   double verdict_px = 6;         ///< Shorter blurs are left alone.
   double min_confidence = 0.5;   ///< For the verdict "blurred".
 
@@ -29,10 +29,10 @@ struct SpectralOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, SpectralOptions& o) {
   visit("window_px", o.window_px, Between(64, 1024), "side of the windows, a power of two");
-  visit("low_frequency", o.low_frequency, Between(0, 0.2), "cycles/px; what lies below does not count");
-  visit("high_frequency", o.high_frequency, Between(0.21, 0.5), "cycles/px; what lies above does not count");
-  visit("min_extent_px", o.min_extent_px, Between(3, 50), "shortest blur looked for");
-  visit("max_extent_px", o.max_extent_px, Between(8, 250), "longest blur looked for");
+  visit("low_frequency", o.low_frequency, Between(0, 0.2), "cycles/px; lower ones are ignored");
+  visit("high_frequency", o.high_frequency, Between(0.21, 0.5), "cycles/px; higher ones are ignored");
+  visit("min_extent_px", o.min_extent_px, Between(3, 50), "shortest blur considered");
+  visit("max_extent_px", o.max_extent_px, Between(8, 250), "longest blur considered");
   visit("verdict_px", o.verdict_px, Between(0, 250), "shorter blurs are left alone");
   visit("min_confidence", o.min_confidence, Between(0, 1), "for the verdict blurred");
 }

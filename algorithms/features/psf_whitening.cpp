@@ -10,7 +10,7 @@
 namespace gaitcam {
 namespace {
 
-constexpr int kLeastSide = 32;
+constexpr int kMinWhiteningSide = 32;
 
 float Bilinear(const cv::Mat& image, float x, float y) {
   const int x0 = int(x), y0 = int(y);
@@ -126,7 +126,7 @@ BlurEstimate WhiteningPsf::EstimateExtent(const cv::Mat& grey, const cv::Mat& ma
 BlurEstimate WhiteningPsf::Estimate(const cv::Mat& grey, const cv::Rect& region) const {
   GAITCAM_ASSERT(grey.type() == CV_8UC1);
   const cv::Rect seen = region & cv::Rect({0, 0}, grey.size());
-  if (seen.width < kLeastSide || seen.height < kLeastSide) return {};
+  if (seen.width < kMinWhiteningSide || seen.height < kMinWhiteningSide) return {};
   cv::Mat values;
   grey(seen).convertTo(values, CV_32F);
   const std::vector<double> bins =

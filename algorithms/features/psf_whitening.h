@@ -1,6 +1,6 @@
 /// Point spread function by an approximated whitening method (thesis, section 5.2.1; after Yitzhaky and Kopeika 1997).
 ///
-/// Motion takes detail away along its direction: where absolute derivatives are smallest, there it points. Derivatives
+/// Motion removes detail along its direction, which is that of the smallest mean absolute derivative. Derivatives
 /// along that direction of an evenly blurred image are differences of what lay one extent apart; so their
 /// auto-correlation is negative there.
 
@@ -18,7 +18,7 @@ struct WhiteningOptions {
   int directions = 36;           ///< Bins over 180 degrees; the thesis has one each 5 degrees.
   int sample_step_px = 5;        ///< Between the points where derivatives are taken.
   int min_extent_px = 4;         ///< Minima of the auto-correlation below this are taken for noise ("2-3 pixels").
-  int max_extent_px = 60;        ///< Longest blur looked for.
+  int max_extent_px = 60;        ///< Longest blur considered.
   double verdict_px = 6;         ///< A shorter blur is no reason to act (section 5.2.2).
   double min_confidence = 0.12;  ///< Least depth of the minimum for the verdict "blurred"; the thesis has no such test.
 };
@@ -28,7 +28,7 @@ void VisitFields(Visitor& visit, WhiteningOptions& o) {
   visit("directions", o.directions, Between(4, 360), "bins over 180 degrees");
   visit("sample_step_px", o.sample_step_px, Between(1, 50), "between the points where derivatives are taken");
   visit("min_extent_px", o.min_extent_px, Between(1, 50), "shorter minima of the auto-correlation are taken for noise");
-  visit("max_extent_px", o.max_extent_px, Between(8, 500), "longest blur looked for");
+  visit("max_extent_px", o.max_extent_px, Between(8, 500), "longest blur considered");
   visit("verdict_px", o.verdict_px, Between(0, 500), "shorter blurs are left alone");
   visit("min_confidence", o.min_confidence, Between(0, 1), "least depth of the minimum for the verdict blurred");
 }

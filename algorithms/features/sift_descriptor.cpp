@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kGrid = 16;  ///< Sample points per side of either window.
 constexpr int kSamples = kGrid * kGrid;
-constexpr int kDirections = 36;       ///< Bins of the orientation histogram.
+constexpr int kOrientationBins = 36;  ///< Bins of the orientation histogram.
 constexpr int kCells = 4, kBins = 8;  ///< Descriptor: cells per side, directions per cell.
 
 /// Gradients at the sample points of a window.
@@ -82,14 +82,14 @@ class Describer {
       for (int i = 0; i < kGrid; ++i, ++k)
         samples_.Take(k, gradients, p.x + p.scale * orientation_.offset[i], p.y + p.scale * orientation_.offset[j]);
     samples_.ToPolar();
-    std::array<float, kDirections> histogram{};
+    std::array<float, kOrientationBins> histogram{};
     for (int k = 0; k < kSamples; ++k) {
       // Shared between the two nearest bins, which the thesis does not say: orientations do not snap to 10 degrees.
-      const float place = samples_.angle[k] * float(kDirections / (2 * CV_PI));
+      const float place = samples_.angle[k] * float(kOrientationBins / (2 * CV_PI));
       const int bin = int(place);
       const float share = place - float(bin), weight = samples_.magnitude[k] * orientation_.gaussian[k];
-      histogram[size_t(bin % kDirections)] += weight * (1 - share);
-      histogram[size_t((bin + 1) % kDirections)] += weight * share;
+      histogram[size_t(bin % kOrientationBins)] += weight * (1 - share);
+      histogram[size_t((bin + 1) % kOrientationBins)] += weight * share;
     }
     return Peaks(Smoothed(Smoothed(histogram)));
   }
@@ -110,12 +110,13 @@ class Describer {
   }
 
  private:
-  using Histogram = std::array<float, kDirections>;
+  using Histogram = std::array<float, kOrientationBins>;
 
   static Histogram Smoothed(const Histogram& h) {
     Histogram smooth;
-    for (size_t i = 0; i < kDirections; ++i)
-      smooth[i] = 0.25f * h[(i + kDirections - 1) % kDirections] + 0.5f * h[i] + 0.25f * h[(i + 1) % kDirections];
+    for (size_t i = 0; i < kOrientationBins; ++i)
+      smooth[i] = 0.25f * h[(i + kOrientationBins - 1) % kOrientationBins] + 0.5f * h[i] +
+                  0.25f * h[(i + 1) % kOrientationBins];
     return smooth;
   }
 
@@ -123,11 +124,11 @@ class Describer {
   std::vector<float> Peaks(const Histogram& h) const {
     std::vector<float> peaks;
     const float limit = float(options_.orientation_peak) * *std::max_element(h.begin(), h.end());
-    for (size_t i = 0; i < kDirections && limit > 0; ++i) {
-      const float before = h[(i + kDirections - 1) % kDirections], after = h[(i + 1) % kDirections];
+    for (size_t i = 0; i < kOrientationBins && limit > 0; ++i) {
+      const float before = h[(i + kOrientationBins - 1) % kOrientationBins], after = h[(i + 1) % kOrientationBins];
       if (h[i] < limit || h[i] <= before || h[i] < after) continue;
       const float offset = 0.5f * (before - after) / (before - 2 * h[i] + after);
-      peaks.push_back((float(i) + offset) * float(2 * CV_PI / kDirections));
+      peaks.push_back((float(i) + offset) * float(2 * CV_PI / kOrientationBins));
     }
     return peaks;
   }

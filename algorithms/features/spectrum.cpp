@@ -9,8 +9,9 @@
 namespace gaitcam {
 namespace {
 
+constexpr float kPiF = float(M_PI);
+
 constexpr int kUnit = 1 << Spectrum::kMaxOctave;
-constexpr float kPi = float(M_PI);
 
 /// The least length that the transform is fast at and that halves kMaxOctave times.
 int FastLength(int least) {
@@ -25,7 +26,7 @@ std::vector<float> Fade(int length, int begin, int end) {
   std::vector<float> fade(size_t(length), 1.f);
   const auto fall = [&](int to_end, int margin) {
     const float t = float(to_end) / (kFading * float(margin));
-    return t >= 1 ? 1.f : 0.5f - 0.5f * std::cos(kPi * t);
+    return t >= 1 ? 1.f : 0.5f - 0.5f * std::cos(kPiF * t);
   };
   for (int i = 0; i < begin; ++i) fade[size_t(i)] = fall(i, begin);
   for (int i = end; i < length; ++i) fade[size_t(i)] = fall(length - 1 - i, length - end);
@@ -36,8 +37,8 @@ std::vector<float> Fade(int length, int begin, int end) {
 
 void LineTransfer::Row(const Eigen::ArrayXf& fx, float fy, Eigen::Ref<Eigen::ArrayXf> out) const {
   constexpr float kNearZero = 1e-4f;
-  const float offset = kPi * vector_.y() * fy;
-  out = (fx * (kPi * vector_.x()) + offset).abs().max(kNearZero);
+  const float offset = kPiF * vector_.y() * fy;
+  out = (fx * (kPiF * vector_.x()) + offset).abs().max(kNearZero);
   out = out.sin() / out;
 }
 

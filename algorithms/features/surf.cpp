@@ -77,9 +77,9 @@ void Surf::detectAndCompute(cv::InputArray image, cv::InputArray mask, std::vect
   if (use_provided_keypoints) {
     rows = Describe(pixels, keypoints);
   } else {
-    constexpr long kMost = 100000;  // callers keep the strongest they want
+    constexpr long kMaxPoints = 100000;  // callers keep the strongest they want
     keypoints.clear();
-    for (const dlib::surf_point& point : dlib::get_surf_points(pixels, kMost, threshold_)) {
+    for (const dlib::surf_point& point : dlib::get_surf_points(pixels, kMaxPoints, threshold_)) {
       const cv::KeyPoint keypoint = ToKeyPoint(point);
       if (!mask.empty() && mask.getMat().at<uchar>(cv::Point(keypoint.pt)) == 0) continue;
       keypoints.push_back(keypoint);

@@ -37,8 +37,8 @@ void WienerTransfer::Row(const Eigen::ArrayXf& fx, float fy, Eigen::Ref<Eigen::A
 }
 
 cv::Mat RestoreWiener(const cv::Mat& image, const LineBlur& blur, const WienerOptions& options) {
-  constexpr int kLeastMargin_px = 32;  // room for the margin to fade
-  const int margin = std::max(kLeastMargin_px, int(std::ceil(blur.extent_px)));
+  constexpr int kMinMargin_px = 32;  // room for the margin to fade
+  const int margin = std::max(kMinMargin_px, int(std::ceil(blur.extent_px)));
   Spectrum spectrum(image, margin);
   const ExplainedTransfer explained(blur, options);
   for (int pass = 0; pass < options.border_passes; ++pass) spectrum.RefillMargin(explained);

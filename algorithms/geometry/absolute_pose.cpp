@@ -5,36 +5,34 @@
 #include <limits>
 #include <opencv2/calib3d.hpp>
 
+#include "algorithms/core/se3.h"
+
 namespace gaitcam {
 namespace {
 
-constexpr size_t kFewestInliers = 4;  // three determine up to four poses; one more decides
+constexpr size_t kMinInliers = 4;  // three determine up to four poses, a fourth decides between them
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-/// One Gauss-Newton step in the camera frame: p_C moves by w x p_C + v. @returns the step's size.
-double RefineOnce(const std::vector<PointSighting>& sightings, const std::vector<int>& use, double huber, Pose& X_CW) {
-  Matrix6 H = Matrix6::Zero();
-  Vector6 g = Vector6::Zero();
+/// One Gauss-Newton step: X_WC Exp(rho, phi) moves p_C by -rho - phi x p_C. @returns the step's size.
+double RefineOnce(const std::vector<PointSighting>& sightings, const std::vector<int>& use, double huber, Pose& X_WC) {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+  const Pose X_CW = X_WC.Inverse();
   for (const int i : use) {
     const Eigen::Vector3d p = X_CW * sightings[size_t(i)].p_W;
     if (!(p.z() > 0)) continue;
     const Eigen::Vector2d e = p.hnormalized() - sightings[size_t(i)].xy;
     const double weight = e.norm() > huber ? huber / e.norm() : 1.0;
     const double x = p.x() / p.z(), y = p.y() / p.z(), inverse = 1 / p.z();
-    Eigen::Matrix<double, 2, 6> J;                         // d e / d (w, v)
-    J << -x * y, 1 + x * x, -y, inverse, 0, -x * inverse,  //
-        -(1 + y * y), x * y, x, 0, inverse, -y * inverse;
+    Eigen::Matrix<double, 2, 6> J;                          // d e / d (rho, phi)
+    J << -inverse, 0, x * inverse, x * y, -(1 + x * x), y,  //
+        0, -inverse, y * inverse, 1 + y * y, -x * y, -x;
     H += weight * J.transpose() * J;
     g += weight * J.transpose() * e;
   }
-  const Vector6 step = -H.ldlt().solve(g);
-  constexpr double kLargestTurn = 0.5;  // rad; beyond it the linearisation is worthless
-  if (!step.allFinite() || step.head<3>().norm() > kLargestTurn) return 0;
-  const Eigen::Vector3d w = step.head<3>();
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(w.norm(), w.norm() > 0 ? w.normalized() : Eigen::Vector3d::UnitX()));
-  X_CW = Pose(turn, step.tail<3>()) * X_CW;
+  const Vector6d step = -H.ldlt().solve(g);
+  constexpr double kMaxTurn = 0.5;  // rad; the linearisation holds no further
+  if (!step.allFinite() || step.tail<3>().norm() > kMaxTurn) return 0;
+  X_WC = Plus(X_WC, step);
   return step.norm();
 }
 
@@ -53,9 +51,7 @@ std::vector<Pose> SolveThreePoint(const std::vector<PointSighting>& three) {
   for (size_t i = 0; i < rotations.size(); ++i) {
     const Eigen::Vector3d w(rotations[i].ptr<double>()), t(translations[i].ptr<double>());
     if (!w.allFinite() || !t.allFinite()) continue;
-    const double angle = w.norm();
-    const Eigen::AngleAxisd turn(angle, angle > 0 ? Eigen::Vector3d(w / angle) : Eigen::Vector3d::UnitX());
-    poses.push_back(Pose(Eigen::Quaterniond(turn), t).Inverse());
+    poses.push_back(Pose(ExpSo3(w), t).Inverse());
   }
   return poses;
 }
@@ -68,13 +64,13 @@ double ReprojectionError2(const Pose& X_WC, const PointSighting& sighting) {
 
 Pose RefineAbsolutePose(const std::vector<PointSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
                         double huber) {
-  Pose X_CW = X_WC.Inverse();
-  constexpr int kMostSteps = 10;
+  Pose refined = X_WC;
+  constexpr int kMaxSteps = 10;
   constexpr double kConverged = 1e-10;
-  for (int step = 0; step < kMostSteps; ++step) {
-    if (RefineOnce(sightings, use, huber, X_CW) < kConverged) break;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    if (RefineOnce(sightings, use, huber, refined) < kConverged) break;
   }
-  return X_CW.Inverse();
+  return refined;
 }
 
 RansacResult<Pose> EstimateAbsolutePose(const std::vector<PointSighting>& sightings, const RansacOptions& options,
@@ -89,7 +85,7 @@ RansacResult<Pose> EstimateAbsolutePose(const std::vector<PointSighting>& sighti
   if (guess) first.push_back(*guess);
   RansacResult<Pose> found = Ransac<Pose>(int(sightings.size()), 3, options, random, solve, residual2, first);
   constexpr int kRounds = 2;  // refining gains inliers, which refine further
-  for (int round = 0; round < kRounds && found.inliers.size() >= kFewestInliers; ++round) {
+  for (int round = 0; round < kRounds && found.inliers.size() >= kMinInliers; ++round) {
     found.model = RefineAbsolutePose(sightings, found.inliers, found.model, options.threshold / 2);
     found.inliers.clear();
     found.score = 0;
@@ -99,7 +95,7 @@ RansacResult<Pose> EstimateAbsolutePose(const std::vector<PointSighting>& sighti
       found.score += std::min(error2, limit2);
     }
   }
-  if (found.inliers.size() < kFewestInliers) found.inliers.clear();
+  if (found.inliers.size() < kMinInliers) found.inliers.clear();
   return found;
 }
 

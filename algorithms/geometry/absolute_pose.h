@@ -1,4 +1,4 @@
-/// The pose of a calibrated camera from points whose place is known (perspective-n-point).
+/// The pose of a calibrated camera from points of known position (perspective-n-point).
 
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace gaitcam {
 
-/// A known point and where it is seen.
+/// A known point and its image.
 struct PointSighting {
   Eigen::Vector3d p_W;
   Eigen::Vector2d xy;  ///< Normalised image coordinates (undistorted, focal length 1).
@@ -31,7 +31,7 @@ Pose RefineAbsolutePose(const std::vector<PointSighting>& sightings, const std::
 
 /// Three-point RANSAC, then refinement over the inliers.
 /// @param options threshold in normalised coordinates (pixels / focal length)
-/// @param guess   a pose to be judged first; it costs nothing to be wrong
+/// @param guess   a hypothesis that is judged first
 /// @returns no inliers if fewer than 4 sightings agree. Never NaN.
 RansacResult<Pose> EstimateAbsolutePose(const std::vector<PointSighting>& sightings, const RansacOptions& options,
                                         RandomStream& random, const std::optional<Pose>& guess = {});

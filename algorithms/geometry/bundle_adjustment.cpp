@@ -2,16 +2,18 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/geometry/inverse_depth.h"
 
 namespace gaitcam {
 namespace {
 
-/// Seven numbers as Ceres sees a pose: quaternion x y z w, then translation.
+/// A pose's parameters: quaternion x y z w, then translation.
 using PoseBlock = std::array<double, 7>;
 
 Pose ToPose(const double* block) {
@@ -28,19 +30,15 @@ PoseBlock ToBlock(const Pose& pose) {
   return block;
 }
 
-/// (R, t) + (w, v) = (R exp([w]x), t + v). Cost functions give their derivative by (w, v) in the first six columns,
-/// which the identity below hands on.
+/// X + (rho, phi) = X Exp(rho, phi). Cost functions give their derivative by (rho, phi) in the first six columns, which
+/// the identity below hands on.
 class PoseManifold : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }
   int TangentSize() const override { return 6; }
   bool Plus(const double* x, const double* delta, double* sum) const override {
-    const Eigen::Map<const Eigen::Vector3d> w(delta), v(delta + 3);
-    const double angle = w.norm();
-    const Eigen::AngleAxisd turn(angle, angle > 0 ? Eigen::Vector3d(w / angle) : Eigen::Vector3d::UnitX());
-    Eigen::Map<Eigen::Quaterniond> q(sum);
-    q = (Eigen::Map<const Eigen::Quaterniond>(x) * Eigen::Quaterniond(turn)).normalized();
-    Eigen::Map<Eigen::Vector3d>(sum + 4) = Eigen::Map<const Eigen::Vector3d>(x + 4) + v;
+    const PoseBlock block = ToBlock(gaitcam::Plus(ToPose(x), Eigen::Map<const Vector6d>(delta)));
+    std::copy(block.begin(), block.end(), sum);
     return true;
   }
   bool PlusJacobian(const double*, double* jacobian) const override {
@@ -50,12 +48,8 @@ class PoseManifold : public ceres::Manifold {
     return true;
   }
   bool Minus(const double* y, const double* x, double* difference) const override {
-    const Eigen::Quaterniond turn =
-        Eigen::Map<const Eigen::Quaterniond>(x).conjugate() * Eigen::Map<const Eigen::Quaterniond>(y);
-    const Eigen::AngleAxisd axis(turn);
-    Eigen::Map<Eigen::Vector3d> w(difference), v(difference + 3);
-    w = axis.angle() * axis.axis();
-    v = Eigen::Map<const Eigen::Vector3d>(y + 4) - Eigen::Map<const Eigen::Vector3d>(x + 4);
+    Eigen::Map<Vector6d> tau(difference);
+    tau = gaitcam::Minus(ToPose(y), ToPose(x));
     return true;
   }
   bool MinusJacobian(const double*, double* jacobian) const override {
@@ -66,10 +60,10 @@ class PoseManifold : public ceres::Manifold {
   }
 };
 
-/// A point as Ceres sees it: its ray in the anchor, then its inverse depth.
+/// A point's parameters: its ray in the anchor, then its inverse depth.
 using PointBlock = Eigen::Vector3d;
 
-/// Distance between where a camera sees a point and where it should, in standard deviations.
+/// Reprojection error, in standard deviations.
 class SightingError : public ceres::SizedCostFunction<2, 7, 7, 3> {
  public:
   explicit SightingError(const BundleObservation& observation) : xy_(observation.xy), weight_(1 / observation.sigma) {}
@@ -79,7 +73,7 @@ class SightingError : public ceres::SizedCostFunction<2, 7, 7, 3> {
     const auto projection =
         LinearizeInverseDepth(ToPose(parameters[0]), point.head<2>(), point.z(), ToPose(parameters[1]));
     Eigen::Map<Eigen::Vector2d> residual(residuals);
-    constexpr double kBehind = 100;  // standard deviations: far beyond what Huber trusts, and flat
+    constexpr double kBehind = 100;  // standard deviations; constant, so that such a point has no pull
     residual = projection ? Eigen::Vector2d(weight_ * (projection->xy - xy_)) : Eigen::Vector2d::Constant(kBehind);
     if (!jacobians) return true;
     for (int k = 0; k < 2; ++k) {
@@ -101,7 +95,7 @@ class SightingError : public ceres::SizedCostFunction<2, 7, 7, 3> {
   double weight_;
 };
 
-/// What the anchor saw.
+/// Reprojection error in the anchor.
 class AnchorError : public ceres::SizedCostFunction<2, 3> {
  public:
   explicit AnchorError(const BundlePoint& point) : xy_(point.xy), weight_(1 / point.sigma) {}
@@ -120,7 +114,7 @@ class AnchorError : public ceres::SizedCostFunction<2, 3> {
   double weight_;
 };
 
-/// What is thought of the inverse depth beforehand.
+/// Prior of the inverse depth.
 class DepthPrior : public ceres::SizedCostFunction<1, 3> {
  public:
   explicit DepthPrior(const BundlePoint& point) : rho_(point.prior_rho), weight_(1 / point.prior_sigma) {}
@@ -169,7 +163,7 @@ BundleResult AdjustBundle(BundleProblem& problem, const BundleOptions& options) 
   ceres::Problem ceres_problem(ownership);
   PoseManifold manifold;
   ceres::HuberLoss huber(options.huber);
-  ceres::CauchyLoss cauchy(1);  // a prior that the sightings contradict loses its say
+  ceres::CauchyLoss cauchy(1);  // the prior is robust: observations may contradict it
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (size_t i = 0; i < poses.size(); ++i) {
     ceres_problem.AddParameterBlock(poses[i].data(), 7, &manifold);

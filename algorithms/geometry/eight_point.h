@@ -1,5 +1,5 @@
 /// Relative pose from eight or more pairs by linear least squares (Hartley, "In defense of the eight-point algorithm",
-/// PAMI 19(6), 1997). Fails on planes: there a whole family of matrices fits.
+/// PAMI 19(6), 1997). Degenerate for points of a plane.
 
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace gaitcam {
 
-/// The moved and scaled coordinates that make linear least squares well conditioned: centroid 0, mean distance sqrt 2.
+/// Coordinates of centroid 0 and mean distance sqrt 2, for which linear least squares is well conditioned.
 /// @returns T with (x', y', 1) = T (x, y, 1).
 Eigen::Matrix3d NormalisingTransform(const std::vector<Eigen::Vector2d>& points);
 

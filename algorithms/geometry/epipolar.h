@@ -1,4 +1,4 @@
-/// What two calibrated views of one point have to do with each other.
+/// Epipolar geometry of two calibrated views.
 
 #pragma once
 
@@ -11,13 +11,6 @@ namespace gaitcam {
 struct PointPair {
   Eigen::Vector2d a, b;
 };
-
-/// [v]x, the matrix of the cross product with v.
-inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d S;
-  S << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return S;
-}
 
 /// First-order geometric error of a pair: its distance from the nearest pair that satisfies the epipolar constraint
 /// b^T E a = 0 (Sampson; Hartley and Zisserman 2003, equation 11.9), squared.

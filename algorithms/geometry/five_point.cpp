@@ -163,7 +163,7 @@ void Monomials(const Eigen::Vector3d& p, Cubic& m, Eigen::Matrix<double, 20, 3>&
   d.col(2) << 0, 0, 0, 0, xx, 0, yy, 0, x * y, 0, 2 * x * z, x, 0, 2 * y * z, y, 0, 3 * zz, 2 * z, 1, 0;
 }
 
-/// Gauss-Newton on the ten constraints, which gives back the digits that the elimination lost.
+/// Gauss-Newton on the ten constraints, against the elimination's loss of precision.
 void Polish(const Constraints& constraints, Eigen::Vector3d& p) {
   constexpr int kSteps = 2;
   Cubic m;
@@ -173,8 +173,8 @@ void Polish(const Constraints& constraints, Eigen::Vector3d& p) {
     const Eigen::Matrix<double, 10, 1> residual = constraints * m;
     const Eigen::Matrix<double, 10, 3> J = constraints * d;
     const Eigen::Vector3d step = (J.transpose() * J).ldlt().solve(J.transpose() * residual);
-    constexpr double kLargestStep = 0.01;  // relative; more is not a matter of digits
-    if (!step.allFinite() || !(step.norm() < kLargestStep * (1 + p.norm()))) return;
+    constexpr double kMaxStep = 0.01;  // relative; more is no rounding error
+    if (!step.allFinite() || !(step.norm() < kMaxStep * (1 + p.norm()))) return;
     p -= step;
   }
 }

@@ -1,5 +1,5 @@
-/// Relative pose from the fewest points: five (D. Nister, "An efficient solution to the five-point relative pose
-/// problem", PAMI 26(6), 2004).
+/// Relative pose from a minimal sample of five points (D. Nister, "An efficient solution to the five-point relative
+/// pose problem", PAMI 26(6), 2004).
 
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace gaitcam {
 
-/// Up to ten essential matrices E, |E| = sqrt(2), with b^T E a = 0 for the five pairs. Planes are no special case.
-/// @returns nothing where the five pairs do not determine finitely many (equal pairs, for example). Never NaN.
+/// Up to ten essential matrices E, |E| = sqrt(2), with b^T E a = 0 for the five pairs. Not degenerate for planes.
+/// @returns nothing if the pairs are degenerate (equal pairs, for example). Never NaN.
 std::vector<Eigen::Matrix3d> SolveFivePoint(const std::vector<PointPair>& five);
 
 }  // namespace gaitcam

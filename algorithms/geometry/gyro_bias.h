@@ -1,4 +1,4 @@
-/// What a gyroscope reads while it rests is its bias.
+/// The bias of a gyroscope: its mean reading at rest.
 
 #pragma once
 
@@ -11,11 +11,11 @@ namespace gaitcam {
 
 class GyroBias {
  public:
-  /// Samples taken while the robot stands. Those that turn as no bias does are not counted: it may look around.
+  /// Samples taken while the robot stands. Rates larger than any bias are left out: the head may turn.
   void Stand(const std::vector<ImuSample>& samples);
-  /// It walks on: from now on the bias is the mean of what was counted since the last call, if that was enough.
+  /// Takes the mean of the samples since the last call for the bias, if there were enough of them.
   void Learn();
-  /// Of the angular rate, rad/s, in the IMU's own frame; 0 until something was learned.
+  /// Of the angular rate, rad/s, in the IMU's frame; 0 until learned.
   const Eigen::Vector3d& bias() const { return bias_; }
   bool learned() const { return learned_; }
 

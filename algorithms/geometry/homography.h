@@ -1,4 +1,4 @@
-/// Two views of a plane, or two views from one place: b ~ H a.
+/// Homographies b ~ H a: two views of a plane, or from one position.
 
 #pragma once
 
@@ -16,7 +16,7 @@ namespace gaitcam {
 /// nothing if the pairs do not determine it.
 std::optional<Eigen::Matrix3d> EstimateHomography(const std::vector<PointPair>& pairs, const std::vector<int>& use);
 
-/// The same with little weight for pairs whose transfer error is above some `threshold`.
+/// The same by iteratively reweighted least squares, robust to transfer errors beyond some `threshold`.
 std::optional<Eigen::Matrix3d> EstimateHomographyRobustly(const std::vector<PointPair>& pairs,
                                                           const std::vector<int>& use, double threshold);
 

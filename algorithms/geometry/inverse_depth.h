@@ -1,6 +1,6 @@
-/// Points held as a ray of the camera that saw them first and their inverse depth along it (Civera, Davison and
-/// Montiel, TRO 2008): a point of unknown depth, or at infinity, is as good a constraint on rotation as any other, and
-/// its error is nearly Gaussian in this form.
+/// Points in inverse-depth form: a ray of the camera that observed them first and the inverse depth along it (Civera,
+/// Davison and Montiel, TRO 2008). A point of unknown depth, or at infinity, constrains rotation as well as any other,
+/// and its error is nearly Gaussian in this form.
 ///
 /// A point anchored in camera A lies at (x, y, 1) / rho in A's frame. Seen from camera C its direction is
 ///   h = R_C^T (R_A (x, y, 1)^T + rho (t_A - t_C)),                                                              (1)
@@ -17,32 +17,32 @@
 
 namespace gaitcam {
 
-/// A point as it is known.
+/// A landmark.
 struct InverseDepthPoint {
-  Pose X_WA;                                     ///< The camera that saw it first ...
-  Eigen::Vector2d xy = Eigen::Vector2d::Zero();  ///< ... and where it saw it.
+  Pose X_WA;                                     ///< The anchor: the camera that observed it first ...
+  Eigen::Vector2d xy = Eigen::Vector2d::Zero();  ///< ... and its image there.
   double xy_sigma = 0;                           ///< Standard deviation of each coordinate of `xy`.
   double rho = 0;                                ///< Inverse depth, 1 over the world's unit.
-  double rho_sigma = 0;                          ///< Standard deviation of it.
+  double rho_sigma = 0;                          ///< Its standard deviation.
 };
 
-/// Where a point is seen, and how exactly.
+/// An observation of a landmark.
 struct InverseDepthSighting {
   InverseDepthPoint point;
   Eigen::Vector2d xy;  ///< Measured.
   double sigma = 0;    ///< Standard deviation of each coordinate.
 };
 
-/// Equation 1 and what it depends on. Turns are right perturbations: R exp([w]x).
+/// Equation 1 and its derivatives; those by poses in the tangent of se3.h.
 struct InverseDepthProjection {
   Eigen::Vector2d xy;
-  Eigen::Matrix<double, 2, 6> d_anchor;  ///< d xy / d (w_A, t_A)
-  Eigen::Matrix<double, 2, 6> d_camera;  ///< d xy / d (w_C, t_C)
+  Eigen::Matrix<double, 2, 6> d_anchor;  ///< By X_WA Exp(rho, phi).
+  Eigen::Matrix<double, 2, 6> d_camera;  ///< By X_WC Exp(rho, phi).
   Eigen::Matrix2d d_xy;                  ///< By the ray in the anchor.
   Eigen::Vector2d d_rho;
 };
 
-/// @returns where camera C sees the point, or nothing if it lies behind.
+/// @returns where camera C sees the point, or nothing if it is behind.
 std::optional<Eigen::Vector2d> ProjectInverseDepth(const Pose& X_WA, const Eigen::Vector2d& xy, double rho,
                                                    const Pose& X_WC);
 
@@ -55,31 +55,31 @@ std::optional<InverseDepthProjection> LinearizeInverseDepth(const Pose& X_WA, co
 /// Chi-square with 2 degrees of freedom for true pairs; infinity for a point behind the camera.
 double Mahalanobis2(const InverseDepthSighting& sighting, const Pose& X_WC);
 
-/// Where a camera is thought to be beforehand.
+/// Prior of a camera's position.
 struct PositionPrior {
   Eigen::Vector3d position_W = Eigen::Vector3d::Zero();
   double sigma = 0;  ///< Standard deviation of each coordinate.
 };
 
-/// Maximum likelihood of the camera's pose by Gauss-Newton, Huber's weights beyond `huber` standard deviations. Depths
-/// that are not known constrain the turn alone.
+/// Maximum likelihood of the camera's pose by Gauss-Newton, Huber's weights beyond `huber` standard deviations. Points
+/// of unknown depth constrain the rotation only.
 /// @param use   indices into `sightings`
 /// @param prior counts as one more measurement
 /// @returns the pose, or `X_WC` itself where the problem is singular. Never NaN.
 Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
                 double huber, const std::optional<PositionPrior>& prior = {});
 
-/// A camera whose position is roughly known: its turn follows from two sightings, so that few true ones among many
-/// false suffice (after the one-point RANSAC of Civera, Grasa, Davison and Montiel, JFR 2010). Each turn is judged by
-/// how much likelier it makes the sightings than chance does; the position's error bar counts in, so that near points
-/// are believed from farther off but say less.
+/// The rotation of a camera whose position is roughly known. Two sightings determine it, so that few true ones among
+/// many false suffice (after the one-point RANSAC of Civera, Grasa, Davison and Montiel, JFR 2010). A hypothesis is
+/// scored by the likelihood ratio of the sightings to chance; the position's uncertainty is part of it, so that near
+/// points have wider tolerances and less weight.
 struct TurnResult {
   Pose X_WC;                 ///< At the prior's position.
-  std::vector<int> inliers;  ///< Likelier true than chance; empty if there were fewer than three.
-  double chance = 0;         ///< How many there would be if all sightings were false.
+  std::vector<int> inliers;  ///< Likelier true than by chance; empty if fewer than three.
+  double chance = 0;         ///< Expected number of inliers if all sightings were false.
 };
 
-/// @param field solid angle in which false sightings are scattered evenly
+/// @param field solid angle, sr, over which false sightings are uniform
 TurnResult EstimateTurn(const std::vector<InverseDepthSighting>& sightings, const PositionPrior& prior,
                         const Eigen::Quaterniond& guess, double field, RandomStream& random);
 

@@ -6,10 +6,10 @@ MixtureFit FitMixture(const std::vector<double>& residuals2, double sigma, doubl
                       std::vector<double>& densities) {
   if (residuals2.empty()) return {0, 0};
   const double peak = 1 / (std::sqrt(2 * M_PI) * sigma), outlier = 1 / span;
-  constexpr double kFarAway = 36;  // squared sigmas; exp(-18) is nothing beside the outliers' density
+  constexpr double kNegligible = 36;  // squared sigmas; exp(-18) is negligible beside the outliers' density
   for (size_t i = 0; i < residuals2.size(); ++i) {
     const double normalised2 = residuals2[i] / (sigma * sigma);
-    densities[i] = normalised2 < kFarAway ? peak * std::exp(-0.5 * normalised2) : 0;
+    densities[i] = normalised2 < kNegligible ? peak * std::exp(-0.5 * normalised2) : 0;
   }
   double gamma = 0.5;
   constexpr int kSteps = 5;

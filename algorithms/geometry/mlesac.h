@@ -25,7 +25,7 @@ MixtureFit FitMixture(const std::vector<double>& residuals2, double sigma, doubl
 
 }  // namespace internal
 
-/// @param options threshold: an inlier's largest residual, of which sigma is 1 / 1.96 (95 % of inliers);
+/// @param options threshold: 1.96 sigma of an inlier's residual (95 % of inliers);
 ///                outlier_span: the range of an outlier's residual
 /// The score of the result is minus the log-likelihood; else as Ransac().
 template <class Model, class Solve, class Residual2>
@@ -36,7 +36,7 @@ RansacResult<Model> Mlesac(int n, int sample_size, const RansacOptions& options,
   constexpr double kSigmas = 1.96;
   const double limit2 = options.threshold * options.threshold;
   int needed = options.max_iterations;
-  const int fewest = std::min(options.min_iterations, options.max_iterations);
+  const int min_samples = std::min(options.min_iterations, options.max_iterations);
   std::vector<double> residuals2(static_cast<size_t>(n)), densities(residuals2);
   const auto judge = [&](const Model& model) {
     for (int i = 0; i < n; ++i) residuals2[size_t(i)] = residual2(model, i);
@@ -49,8 +49,8 @@ RansacResult<Model> Mlesac(int n, int sample_size, const RansacOptions& options,
     for (int i = 0; i < n; ++i) {
       if (residuals2[size_t(i)] < limit2) best.inliers.push_back(i);
     }
-    needed =
-        std::max(fewest, internal::SamplesNeeded(fit.gamma, sample_size, options.confidence, options.max_iterations));
+    needed = std::max(min_samples,
+                      internal::SamplesNeeded(fit.gamma, sample_size, options.confidence, options.max_iterations));
   };
   for (const Model& model : first_guesses) judge(model);
   if (n < sample_size) return best;

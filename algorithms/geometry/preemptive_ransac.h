@@ -1,5 +1,5 @@
-/// Preemptive RANSAC (D. Nister, ICCV 2003): a fixed number of hypotheses is judged breadth first, one block of data at
-/// a time in random order, and the worse half is dropped after each. Time is bounded whatever the data are.
+/// Preemptive RANSAC (D. Nister, ICCV 2003): a fixed number of hypotheses is scored breadth first, one block of data at
+/// a time in random order, and the worse half is dropped after each. The time is bounded for all data.
 
 #pragma once
 

@@ -14,12 +14,12 @@ std::vector<int> DrawSample(int n, int count, RandomStream& random) {
   return sample;
 }
 
-int SamplesNeeded(double inlier_ratio, int sample_size, double confidence, int most) {
+int SamplesNeeded(double inlier_ratio, int sample_size, double confidence, int max_samples) {
   const double clean = std::pow(inlier_ratio, sample_size);  // probability that a sample has no outlier
-  if (clean <= 0) return most;
-  if (clean >= 1) return std::min(1, most);
+  if (clean <= 0) return max_samples;
+  if (clean >= 1) return std::min(1, max_samples);
   const double needed = std::log(1 - confidence) / std::log1p(-clean);
-  return needed < most ? int(std::ceil(needed)) : most;
+  return needed < max_samples ? int(std::ceil(needed)) : max_samples;
 }
 
 }  // namespace gaitcam::internal

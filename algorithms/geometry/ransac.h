@@ -12,20 +12,20 @@
 
 namespace gaitcam {
 
-/// Of every estimator behind EstimateRobustly (algorithms/geometry/robust.h).
+/// Of all estimators behind EstimateRobustly (robust.h).
 struct RansacOptions {
-  double threshold = 0.005;    ///< Largest residual of an inlier, in the residual's own unit.
-  double confidence = 0.9999;  ///< Stop once a better model has been missed with less than 1 - this probability.
+  double threshold = 0.005;    ///< Maximum residual of an inlier, in the residual's unit.
+  double confidence = 0.9999;  ///< Probability of at least one sample without outliers.
   int max_iterations = 300;
-  int min_iterations = 20;           ///< Among models that all have every inlier, noise decides: look at a few.
-  std::string estimator = "ransac";  ///< ransac | mlesac | preemptive; Ransac() itself does not look at it.
+  int min_iterations = 20;           ///< So that noise does not decide between models with the same inliers.
+  std::string estimator = "ransac";  ///< ransac | mlesac | preemptive; ignored by Ransac().
   double outlier_span = 1.0;         ///< mlesac: residuals of mismatches are uniform over this range.
-  int block = 100;                   ///< preemptive: data judged between two halvings of the hypotheses.
+  int block = 100;                   ///< preemptive: data scored between two halvings of the hypotheses.
 };
 
 inline Words RobustEstimators() { return OneOf({"ransac", "mlesac", "preemptive"}); }
 
-/// A model and who agrees with it. No inliers: no model was found.
+/// A model and its inliers; none: no model was found.
 template <class Model>
 struct RansacResult {
   Model model;
@@ -40,7 +40,7 @@ namespace internal {
 std::vector<int> DrawSample(int n, int count, RandomStream& random);
 
 /// Samples that reach `confidence` of one without outliers (Fischler and Bolles, section II.B).
-int SamplesNeeded(double inlier_ratio, int sample_size, double confidence, int most);
+int SamplesNeeded(double inlier_ratio, int sample_size, double confidence, int max_samples);
 
 }  // namespace internal
 
@@ -56,7 +56,7 @@ RansacResult<Model> Ransac(int n, int sample_size, const RansacOptions& options,
   const double limit2 = options.threshold * options.threshold;
   best.score = n * limit2;
   int needed = options.max_iterations;
-  const int fewest = std::min(options.min_iterations, options.max_iterations);
+  const int min_samples = std::min(options.min_iterations, options.max_iterations);
   const auto judge = [&](const Model& model) {
     double score = 0;
     for (int i = 0; i < n; ++i) {
@@ -69,8 +69,8 @@ RansacResult<Model> Ransac(int n, int sample_size, const RansacOptions& options,
     for (int i = 0; i < n; ++i) {
       if (residual2(model, i) < limit2) best.inliers.push_back(i);
     }
-    needed = std::max(fewest, internal::SamplesNeeded(double(best.inliers.size()) / n, sample_size, options.confidence,
-                                                      options.max_iterations));
+    needed = std::max(min_samples, internal::SamplesNeeded(double(best.inliers.size()) / n, sample_size,
+                                                           options.confidence, options.max_iterations));
   };
   for (const Model& model : first_guesses) judge(model);
   if (n < sample_size) return best;

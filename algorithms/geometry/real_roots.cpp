@@ -9,18 +9,18 @@
 namespace gaitcam {
 namespace {
 
-constexpr int kMostDegree = 16;
+constexpr int kMaxDegree = 16;
 
 struct Polynomial {
-  std::array<double, kMostDegree + 1> c{};  ///< Of x^0, x^1, ...
-  int degree = -1;                          ///< -1: zero.
+  std::array<double, kMaxDegree + 1> c{};  ///< Of x^0, x^1, ...
+  int degree = -1;                         ///< -1: zero.
 
   double operator()(double x) const {
     double value = 0;
     for (int i = degree; i >= 0; --i) value = value * x + c[size_t(i)];
     return value;
   }
-  double Largest() const {
+  double MaxCoefficient() const {
     double largest = 0;
     for (int i = 0; i <= degree; ++i) largest = std::max(largest, std::abs(c[size_t(i)]));
     return largest;
@@ -28,7 +28,7 @@ struct Polynomial {
   /// Drops leading coefficients that are at most `zero`, and scales the largest to 1.
   void Normalise(double zero) {
     while (degree >= 0 && !(std::abs(c[size_t(degree)]) > zero)) --degree;
-    const double largest = Largest();
+    const double largest = MaxCoefficient();
     for (int i = 0; i <= degree; ++i) c[size_t(i)] /= largest;
   }
 };
@@ -42,7 +42,7 @@ Polynomial Derivative(const Polynomial& p) {
 
 /// -(a modulo b), up to a positive factor.
 Polynomial NegatedRemainder(Polynomial a, const Polynomial& b) {
-  const double before = a.Largest();
+  const double before = a.MaxCoefficient();
   for (int i = a.degree; i >= b.degree; --i) {
     const double factor = a.c[size_t(i)] / b.c[size_t(b.degree)];
     for (int k = 0; k <= b.degree; ++k) a.c[size_t(i - b.degree + k)] -= factor * b.c[size_t(k)];
@@ -84,7 +84,7 @@ class SturmChain {
   double Value(double x) const { return chain_[0](x); }
 
  private:
-  std::array<Polynomial, kMostDegree + 1> chain_;
+  std::array<Polynomial, kMaxDegree + 1> chain_;
   int length_;
 };
 
@@ -100,11 +100,11 @@ double Narrow(const SturmChain& chain, double a, double b, int changes_a) {
     }
     return (a + b) / 2;
   }
-  constexpr int kMostSteps = 100;
+  constexpr int kMaxSteps = 100;
   int side = 0;
-  for (int step = 0; step < kMostSteps && b - a > kWidth; ++step) {
+  for (int step = 0; step < kMaxSteps && b - a > kWidth; ++step) {
     double x = (a * fb - b * fa) / (fb - fa);
-    if (!(x > a && x < b) || step % 4 == 3) x = (a + b) / 2;  // every fourth step halves, whatever the function does
+    if (!(x > a && x < b) || step % 4 == 3) x = (a + b) / 2;  // every fourth step bisects
     const double f = chain.Value(x);
     if (f == 0) return x;
     if ((f < 0) == (fb < 0)) {
@@ -150,7 +150,7 @@ std::vector<double> RootsWithinOne(const Polynomial& p) {
 }  // namespace
 
 std::vector<double> RealRoots(const std::vector<double>& coefficients) {
-  GAITCAM_ASSERT(coefficients.size() <= kMostDegree + 1);
+  GAITCAM_ASSERT(coefficients.size() <= kMaxDegree + 1);
   Polynomial p;
   p.degree = int(coefficients.size()) - 1;
   std::copy(coefficients.begin(), coefficients.end(), p.c.begin());

@@ -1,4 +1,4 @@
-/// Real roots of a polynomial by Sturm's theorem: as many as there are, each isolated first, none guessed.
+/// Real roots of a polynomial: isolated by Sturm's theorem, then refined by false position.
 
 #pragma once
 

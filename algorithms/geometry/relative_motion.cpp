@@ -32,12 +32,12 @@ std::vector<RelativeMotion> DecomposeEssential(const Eigen::Matrix3d& E) {
 RelativeMotion ChooseByDepth(const Eigen::Matrix3d& E, const std::vector<PointPair>& pairs,
                              const std::vector<int>& use) {
   RelativeMotion best;
-  int most = -1;
+  int max_count = -1;
   for (const RelativeMotion& motion : DecomposeEssential(E)) {
     int count = 0;
     for (const int i : use) count += InFront(motion, pairs[size_t(i)]);
-    if (count > most) {
-      most = count;
+    if (count > max_count) {
+      max_count = count;
       best = motion;
     }
   }

@@ -1,10 +1,11 @@
-/// From an essential matrix to a motion.
+/// Relative motions from essential matrices.
 
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
+#include "algorithms/core/se3.h"
 #include "algorithms/geometry/epipolar.h"
 
 namespace gaitcam {
@@ -13,7 +14,7 @@ namespace gaitcam {
 struct RelativeMotion {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d t = Eigen::Vector3d::UnitX();
-  Eigen::Matrix3d E() const { return CrossMatrix(t) * R; }
+  Eigen::Matrix3d E() const { return Hat(t) * R; }
 };
 
 /// Depths (z_A, z_B) of the point nearest to both rays: z_B b = z_A R a + t in least squares; (-1, -1) for parallel
@@ -26,12 +27,12 @@ bool InFront(const RelativeMotion& motion, const PointPair& pair);
 /// The four motions of an essential matrix (Hartley and Zisserman 2003, result 9.19).
 std::vector<RelativeMotion> DecomposeEssential(const Eigen::Matrix3d& E);
 
-/// The decomposition that puts most of the pairs `use` in front of both cameras (thesis 5.4, step 5).
+/// The decomposition with the largest number of pairs `use` in front of both cameras (thesis 5.4, step 5).
 RelativeMotion ChooseByDepth(const Eigen::Matrix3d& E, const std::vector<PointPair>& pairs,
                              const std::vector<int>& use);
 
-/// The rotation that alone brings the rays a nearest to the rays b (Arun, Huang and Blostein, PAMI 1987), pairs that
-/// are off by more than some `threshold` (radians, nearly pixels / focal length) having little weight.
+/// The rotation that alone brings the rays a nearest to the rays b (Arun, Huang and Blostein, PAMI 1987), robust to
+/// errors beyond some `threshold` (radians, nearly pixels / focal length).
 Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::vector<int>& use, double threshold);
 
 }  // namespace gaitcam

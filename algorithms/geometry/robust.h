@@ -1,4 +1,4 @@
-/// Robust estimation by name.
+/// Choice of the robust estimator by name.
 
 #pragma once
 
@@ -8,7 +8,8 @@
 
 namespace gaitcam {
 
-/// What `options.estimator` names, with the arguments of Ransac(). Scores of different estimators cannot be compared.
+/// The estimator that `options.estimator` names; arguments as of Ransac(). Scores of different estimators are not
+/// comparable.
 template <class Model, class Solve, class Residual2>
 RansacResult<Model> EstimateRobustly(int n, int sample_size, const RansacOptions& options, RandomStream& random,
                                      Solve solve, Residual2 residual2, const std::vector<Model>& first_guesses = {}) {

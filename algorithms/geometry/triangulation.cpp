@@ -62,15 +62,15 @@ std::optional<Eigen::Vector3d> TriangulatePoint(const std::vector<RayObservation
 }
 
 double ParallaxAngle(const Eigen::Vector3d& p_W, const std::vector<RayObservation>& observations) {
-  double smallest_cosine = 1;
+  double min_cosine = 1;
   for (size_t i = 0; i < observations.size(); ++i) {
     const Eigen::Vector3d a = (p_W - observations[i].X_WC.translation).normalized();
     for (size_t j = 0; j < i; ++j) {
       const Eigen::Vector3d b = (p_W - observations[j].X_WC.translation).normalized();
-      smallest_cosine = std::min(smallest_cosine, a.dot(b));
+      min_cosine = std::min(min_cosine, a.dot(b));
     }
   }
-  return std::acos(std::clamp(smallest_cosine, -1.0, 1.0));
+  return std::acos(std::clamp(min_cosine, -1.0, 1.0));
 }
 
 double ReprojectionError(const Eigen::Vector3d& p_W, const RayObservation& observation) {

@@ -1,4 +1,4 @@
-/// Points from rays.
+/// Triangulation of points.
 
 #pragma once
 
@@ -10,22 +10,21 @@
 
 namespace gaitcam {
 
-/// A point seen from somewhere: it lies on the ray through (x, y, 1) of camera C.
+/// An observation of a point: it lies on the ray through (x, y, 1) of camera C.
 struct RayObservation {
   Pose X_WC;
   Eigen::Vector2d xy;  ///< Normalised image coordinates (undistorted, focal length 1).
 };
 
-/// The point whose images are nearest to where it was seen (least squares in normalised image coordinates): the point
-/// nearest to all rays (Hartley and Zisserman 2003, section 12.2, as least squares over ray distances), then
-/// Gauss-Newton.
-/// @returns nothing if the rays are next to parallel or the point lies behind a camera.
+/// Least squares over reprojection errors in normalised coordinates: Gauss-Newton from the point nearest to all rays
+/// (Hartley and Zisserman 2003, section 12.2, as least squares over ray distances).
+/// @returns nothing if the rays are nearly parallel or the point lies behind a camera.
 std::optional<Eigen::Vector3d> TriangulatePoint(const std::vector<RayObservation>& observations);
 
-/// Largest angle at the point between two of its rays, rad.
+/// The maximum angle at the point between two of its rays, rad.
 double ParallaxAngle(const Eigen::Vector3d& p_W, const std::vector<RayObservation>& observations);
 
-/// Distance between where the point was seen and where it projects, in normalised coordinates; infinity when behind.
+/// Distance of observation and projection, in normalised coordinates; infinity behind the camera.
 double ReprojectionError(const Eigen::Vector3d& p_W, const RayObservation& observation);
 
 }  // namespace gaitcam

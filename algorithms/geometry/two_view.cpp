@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "algorithms/core/median.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/geometry/homography.h"
 #include "algorithms/geometry/relative_motion.h"
 #include "algorithms/geometry/robust.h"
@@ -13,7 +14,7 @@
 namespace gaitcam {
 namespace {
 
-constexpr size_t kFewestPairs = 8;  // five determine the pose; three more to tell a pose from chance
+constexpr size_t kMinPairs = 8;  // five determine the pose; three more distinguish it from chance
 
 /// Normal equations of the inliers' Sampson errors in (turn w of R exp(w), t along its two tangents); the errors'
 /// denominators are held fixed.
@@ -27,9 +28,9 @@ struct NormalEquations {
       : u(motion.t.unitOrthogonal()), v(motion.t.cross(u)) {
     const Eigen::Matrix3d E = motion.E();
     std::vector<Eigen::Matrix3d> derivative;
-    for (int k = 0; k < 3; ++k) derivative.push_back(E * CrossMatrix(Eigen::Vector3d::Unit(k)));
-    derivative.push_back(CrossMatrix(u) * motion.R);
-    derivative.push_back(CrossMatrix(v) * motion.R);
+    for (int k = 0; k < 3; ++k) derivative.push_back(E * Hat(Eigen::Vector3d::Unit(k)));
+    derivative.push_back(Hat(u) * motion.R);
+    derivative.push_back(Hat(v) * motion.R);
     for (const int i : inliers) {
       const Eigen::Vector3d a = pairs[size_t(i)].a.homogeneous(), b = pairs[size_t(i)].b.homogeneous();
       const Eigen::Vector3d Ea = E * a, Etb = E.transpose() * b;
@@ -47,10 +48,9 @@ struct NormalEquations {
 void Refine(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, RelativeMotion& motion) {
   const NormalEquations equations(pairs, inliers, motion);
   const Eigen::Matrix<double, 5, 1> step = -equations.H.ldlt().solve(equations.g);
-  constexpr double kLargestStep = 0.2;  // beyond it (rad) the linearisation is worthless
-  if (!step.allFinite() || step.norm() > kLargestStep) return;
-  const Eigen::Vector3d w = step.head<3>();
-  if (w.norm() > 0) motion.R = motion.R * Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix();
+  constexpr double kMaxStep = 0.2;  // rad; the linearisation holds no further
+  if (!step.allFinite() || step.norm() > kMaxStep) return;
+  motion.R = motion.R * ExpSo3(step.head<3>()).toRotationMatrix();
   motion.t = (motion.t + step[3] * equations.u + step[4] * equations.v).normalized();
 }
 
@@ -62,11 +62,10 @@ double DirectionSigma(const std::vector<PointPair>& pairs, const std::vector<int
   const Eigen::Matrix<double, 5, 5> covariance = sigma2 * equations.H.inverse();
   if (!covariance.allFinite()) return M_PI;
   Eigen::Matrix<double, 3, 5> J;  // (R exp(w))^T t = R^T t - w x R^T t to first order
-  J << CrossMatrix(motion.R.transpose() * motion.t), motion.R.transpose() * equations.u,
-      motion.R.transpose() * equations.v;
+  J << Hat(motion.R.transpose() * motion.t), motion.R.transpose() * equations.u, motion.R.transpose() * equations.v;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(J * covariance * J.transpose());
-  const double largest = eigen.eigenvalues()[2];
-  return largest >= 0 ? std::min(M_PI, std::sqrt(largest)) : M_PI;
+  const double variance = eigen.eigenvalues()[2];
+  return variance >= 0 ? std::min(M_PI, std::sqrt(variance)) : M_PI;
 }
 
 std::vector<int> InliersInFront(const std::vector<PointPair>& pairs, const RelativeMotion& motion, double threshold) {
@@ -105,8 +104,8 @@ ScoredMotion Descend(const std::vector<PointPair>& pairs, const std::vector<int>
                      double threshold) {
   constexpr int kSteps = 8;
   for (int step = 0; step < kSteps; ++step) Refine(pairs, inliers, start);
-  const RelativeMotion chosen = ChooseByDepth(start.E(), pairs, inliers);
-  return {chosen, Score(pairs, chosen, threshold)};
+  const RelativeMotion best = ChooseByDepth(start.E(), pairs, inliers);
+  return {best, Score(pairs, best, threshold)};
 }
 
 /// Small motions leave the two-view error with several minima, of which some trade a sideways motion for a turn
@@ -151,10 +150,10 @@ std::vector<ScoredMotion> PlaneCandidates(const std::vector<PointPair>& pairs, c
     candidates.push_back({motion, Score(pairs, motion, threshold)});
     in_front.push_back(count);
   }
-  const int most = in_front.empty() ? 0 : *std::max_element(in_front.begin(), in_front.end());
+  const int max_count = in_front.empty() ? 0 : *std::max_element(in_front.begin(), in_front.end());
   constexpr double kNearlyAll = 0.95;
   for (size_t i = in_front.size(); i-- > 0;) {
-    if (in_front[i] < kNearlyAll * most) candidates.erase(candidates.begin() + long(i));
+    if (in_front[i] < kNearlyAll * max_count) candidates.erase(candidates.begin() + long(i));
   }
   SortByScore(candidates);
   return candidates;
@@ -173,8 +172,8 @@ double Gric(const std::vector<int>& use, double sigma2, int dimension, int param
 
 enum class Verdict { kGeneral, kPlane, kTurn };
 
-/// What explains the pairs `use` with the fewest parameters? Errors are weighed with the noise that the general model
-/// leaves.
+/// Model selection among general motion, plane and rotation by GRIC over the pairs `use`. Errors are weighed with the
+/// noise that the general model leaves.
 Verdict Judge(const std::vector<PointPair>& pairs, const std::vector<int>& use, const RelativeMotion& motion,
               const std::optional<Eigen::Matrix3d>& H, const Eigen::Matrix3d& R_alone, double threshold) {
   const Eigen::Matrix3d E = motion.E();
@@ -231,7 +230,7 @@ TwoView DescribeTwoView(const std::vector<PointPair>& pairs, const RelativeMotio
   TwoView result;
   result.X_AB = Pose(motion.R, motion.t).Inverse();
   result.inliers = InliersInFront(pairs, motion, threshold);
-  if (result.inliers.size() < kFewestPairs) result.inliers.clear();
+  if (result.inliers.size() < kMinPairs) result.inliers.clear();
   if (result.inliers.empty()) return result;
   result.direction_sigma = DirectionSigma(pairs, result.inliers, motion);
   result.parallax = MedianParallax(pairs, result.inliers, motion.R);
@@ -242,7 +241,7 @@ TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d
                       double threshold) {
   TwoView result;
   result.X_AB.translation = Eigen::Vector3d::UnitX();
-  if (found.size() < kFewestPairs) return result;
+  if (found.size() < kMinPairs) return result;
   const std::optional<Eigen::Matrix3d> H = EstimateHomographyRobustly(pairs, found, threshold / 2);
   const Eigen::Matrix3d R_alone = RotationAlone(pairs, found, threshold / 2);
   std::vector<ScoredMotion> candidates =
@@ -257,7 +256,7 @@ TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d
   result.X_AB = Pose(motion.R, motion.t).Inverse();
   result.inliers =
       result.rotation_only ? InliersOfTurn(pairs, motion.R, threshold) : InliersInFront(pairs, motion, threshold);
-  if (result.inliers.size() < kFewestPairs) result.inliers.clear();
+  if (result.inliers.size() < kMinPairs) result.inliers.clear();
   if (result.inliers.empty()) return result;
   result.direction_sigma = DirectionSigma(pairs, result.inliers, motion);
   result.parallax = MedianParallax(pairs, result.inliers, motion.R);
@@ -269,7 +268,7 @@ TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d
 }
 
 TwoView EstimateTwoView(const std::vector<PointPair>& pairs, const RansacOptions& options, RandomStream& random) {
-  if (pairs.size() < kFewestPairs) return RefineTwoView(pairs, Eigen::Matrix3d::Identity(), {}, options.threshold);
+  if (pairs.size() < kMinPairs) return RefineTwoView(pairs, Eigen::Matrix3d::Identity(), {}, options.threshold);
   const auto found = EstimateEssential(pairs, options, random, SampsonError2);
   return RefineTwoView(pairs, found.model, found.inliers, options.threshold);
 }

@@ -18,23 +18,22 @@ namespace gaitcam {
 struct TwoView {
   Pose X_AB;                        ///< Maps points of camera B into camera A; |translation| = 1.
   std::vector<int> inliers;         ///< Pairs that agree with the pose and lie in front of both cameras, increasing;
-                                    ///< of a turn: that agree with it.
-  double parallax = 0;              ///< Median over the inliers of the angle between the two rays, rad. Near zero: the
-                                    ///< camera only turned, and the translation means nothing.
+                                    ///< of a rotation: that agree with it.
+  double parallax = 0;              ///< Median over the inliers of the angle between the two rays, rad. Near zero: a
+                                    ///< rotation only, and the translation is not observable.
   double direction_sigma = M_PI;    ///< Standard deviation of the translation's direction, rad, along its worst axis:
-                                    ///< of first order, from the inliers' residuals. Small motions leave it large.
-  bool rotation_only = false;       ///< A turn alone explains the pairs better, its fewer parameters considered. X_AB
-                                    ///< then holds that turn, and a direction that means nothing.
-  bool planar = false;              ///< Likewise a plane's homography.
+                                    ///< of first order, from the inliers' residuals. Large for small motions.
+  bool rotation_only = false;       ///< GRIC prefers a rotation alone: X_AB holds it, with an arbitrary direction.
+  bool planar = false;              ///< GRIC prefers a plane's homography.
   std::optional<Pose> alternative;  ///< Two views of a plane allow two poses: the other one, where it explains the
                                     ///< pairs about as well.
 };
 
 /// Five-point hypotheses judged as `options.estimator` says, choice among the four decompositions by depths in front,
 /// Gauss-Newton on the Sampson errors from several starts (among them what a homography allows: planes are no special
-/// case), and a verdict by Torr's GRIC (IJCV 50, 2002).
+/// case), and model selection by Torr's GRIC (IJCV 50, 2002).
 /// @param options threshold in normalised coordinates (pixels / focal length)
-/// @returns no inliers if there are fewer than 8 pairs or nothing was agreed upon. Never NaN.
+/// @returns no inliers if there are fewer than 8 pairs or no model with 8 inliers. Never NaN.
 TwoView EstimateTwoView(const std::vector<PointPair>& pairs, const RansacOptions& options, RandomStream& random);
 
 /// Robust estimate of the essential matrix alone (thesis 5.4, steps 3 and 4).
@@ -43,10 +42,10 @@ RansacResult<Eigen::Matrix3d> EstimateEssential(const std::vector<PointPair>& pa
                                                 RandomStream& random,
                                                 double (*error2)(const Eigen::Matrix3d&, const PointPair&));
 
-/// What is to be said of a motion as it is: inliers, parallax and error bar, without refinement or verdicts.
+/// Inliers, parallax and standard deviation of a given motion, without refinement or model selection.
 TwoView DescribeTwoView(const std::vector<PointPair>& pairs, const RelativeMotion& motion, double threshold);
 
-/// EstimateTwoView from an essential matrix and its inliers that are known already.
+/// EstimateTwoView from a given essential matrix and its inliers.
 TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d& E, const std::vector<int>& inliers,
                       double threshold);
 

@@ -1,6 +1,6 @@
 #include "algorithms/geometry/up_direction.h"
 
-#include <Eigen/Geometry>
+#include "algorithms/core/se3.h"
 
 namespace gaitcam {
 
@@ -12,10 +12,9 @@ void UpDirection::Add(const std::vector<ImuSample>& samples, const Eigen::Vector
   const double dt = 1 / imu_.rate_hz;
   for (const ImuSample& sample : samples) {
     const Eigen::Vector3d turn = dt * (imu_.X_CI.rotation * sample.angular_rate - gyro_bias_C);
-    const double angle = turn.norm();
     heading_rad_ += turn.dot(up_C_);
-    // A fixed direction turns the other way as seen from a frame that turns.
-    if (angle > 0) up_C_ = Eigen::AngleAxisd(-angle, turn / angle) * up_C_;
+    // A fixed direction rotates the other way in the camera's frame.
+    up_C_ = ExpSo3(-turn) * up_C_;
     const Eigen::Vector3d support = imu_.X_CI.rotation * sample.specific_force;
     if (support.norm() > 0) up_C_ += dt / time_s_ * (support.normalized() - up_C_);
     up_C_.normalize();

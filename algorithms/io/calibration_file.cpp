@@ -66,8 +66,7 @@ class YamlMap {
     for (const auto& entry : node_) {
       const std::string key = entry.first.Scalar();
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      const std::string near = NearestWord(key, known);
-      Fail(entry.first, key + ": unknown key" + (near.empty() ? "" : "; did you mean " + near + "?"));
+      Fail(entry.first, key + ": unknown key; " + DidYouMean(key, known, "known here: " + JoinWords(known)));
     }
   }
 
@@ -259,7 +258,8 @@ std::string CalibrationText(const Calibration& calibration) {
     text += CameraText("right", *calibration.right) + PoseText("", "X_LR", calibration.X_LR);
   }
   text += std::string("has_depth: ") + (calibration.has_depth ? "true" : "false") + "\n";
-  text += "frame_rate_hz: " + ExactText(calibration.frame_rate_hz) + "\nimu:\n";
+  text += "frame_rate_hz: " + ExactText(calibration.frame_rate_hz) + "\n";
+  text += "readout_ms: " + ExactText(calibration.readout_ms) + "  # first row to last; 0: global shutter\nimu:\n";
   ImuCalibration imu = calibration.imu;
   const std::vector<double*> members = ImuMembers(imu);
   for (size_t i = 0; i < members.size(); ++i) text += "  " + kImuNumbers[i] + ": " + ExactText(*members[i]) + "\n";
@@ -272,7 +272,7 @@ std::string CalibrationText(const Calibration& calibration) {
 
 Calibration ReadCalibration(const std::filesystem::path& file) {
   const YamlMap map(file);
-  map.RejectUnknown({"camera", "right", "X_LR", "has_depth", "frame_rate_hz", "imu", "standing"});
+  map.RejectUnknown({"camera", "right", "X_LR", "has_depth", "frame_rate_hz", "readout_ms", "imu", "standing"});
   Calibration calibration;
   calibration.camera = ReadCamera(map.Map("camera"));
   if (map.Has("right")) {
@@ -281,6 +281,10 @@ Calibration ReadCalibration(const std::filesystem::path& file) {
   }
   if (map.Has("has_depth")) calibration.has_depth = map.Flag("has_depth");
   if (map.Has("frame_rate_hz")) calibration.frame_rate_hz = map.Number("frame_rate_hz");
+  if (map.Has("readout_ms")) {  // files of before know no rolling shutter
+    calibration.readout_ms = map.Number("readout_ms");
+    if (calibration.readout_ms < 0) map.Fail("readout_ms", "expected a time of at least 0 ms");
+  }
   if (map.Has("imu")) calibration.imu = ReadImu(map.Map("imu"));
   if (map.Has("standing")) calibration.standing = ReadStanding(map.Map("standing"));
   return calibration;

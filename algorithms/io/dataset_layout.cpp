@@ -15,7 +15,7 @@ bool IsTum(const fs::path& folder) { return fs::exists(folder / "rgb.txt"); }
 
 }  // namespace
 
-std::string ToString(DatasetFormat format) { return format == DatasetFormat::kTum ? "tum" : "euroc"; }
+std::string ToString(DatasetFormat format) { return std::string(ToWord(format)); }
 
 DatasetFormat DatasetFormatFromText(const std::string& text) {
   for (const auto format : {DatasetFormat::kTum, DatasetFormat::kEuroc}) {

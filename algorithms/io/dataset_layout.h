@@ -31,12 +31,18 @@
 
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
+
+#include "algorithms/core/enum_words.h"
 
 namespace gaitcam {
 
 enum class DatasetFormat { kTum, kEuroc };
+constexpr auto WordsOf(DatasetFormat) {
+  return std::array{EnumWord{DatasetFormat::kTum, "tum"}, EnumWord{DatasetFormat::kEuroc, "euroc"}};
+}
 
 /// "tum", "euroc".
 std::string ToString(DatasetFormat format);

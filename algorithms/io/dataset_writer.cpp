@@ -213,16 +213,17 @@ class TruthFiles {
     if (euroc && options.truth_inside) AddStates(sensors);
   }
 
-  void Add(int64_t stamp_ns, const FrameTruthRecord& truth, ImageJobs& jobs) {
+  void Add(int64_t stamp_ns, const FilmedTruth& truth, ImageJobs& jobs) {
     for (RowFile& file : poses_) file.Row(TrajectoryRow({stamp_ns, truth.X_WC}, TrajectoryFormat::kTum));
     const Pose X_WI = truth.X_WI ? *truth.X_WI : truth.X_WC * calibration_.imu.X_CI;
     const Pose body = calibration_.imu.rate_hz > 0 ? X_WI : truth.X_WC;
     for (RowFile& file : states_) file.Row(TrajectoryRow({stamp_ns, body}, TrajectoryFormat::kEuroc));
-    frames_.Row(std::to_string(stamp_ns) + CsvOrEmpty(truth.X_WC_open) + CsvOrEmpty(truth.X_WC_close) +
+    const GaitState gait = truth.gait.value_or(GaitState());
+    frames_.Row(std::to_string(stamp_ns) + Csv(truth.X_WC_open) + Csv(truth.X_WC_close) +
                 fmt::format(",{},{},{},{},{},{},{}", truth.blur_median_px, truth.blur_p90_px, truth.blur_max_px,
-                            truth.step, truth.step_phase, int(truth.left_contact), int(truth.right_contact)) +
+                            gait.step, gait.phase, int(truth.left_contact), int(truth.right_contact)) +
                 CsvOrEmpty(truth.X_WB));
-    for (const auto& sub : truth.subposes) {
+    for (const auto& sub : truth.subframes) {
       subposes_.Row(fmt::format("{},{},{}", stamp_ns, sub.stamp_ns, sub.weight) + Csv(sub.X_WC));
     }
     AddImages(stamp_ns, truth, jobs);
@@ -249,7 +250,7 @@ class TruthFiles {
     WriteText(folder / "sensor.yaml", EurocTruthText());
   }
 
-  void AddImages(int64_t stamp_ns, const FrameTruthRecord& truth, ImageJobs& jobs) {
+  void AddImages(int64_t stamp_ns, const FilmedTruth& truth, ImageJobs& jobs) {
     const auto files = [&](std::optional<ImageFiles>& of, const char* name) -> ImageFiles& {
       if (!of) of.emplace(folder_.path(), name, DatasetFormat::kTum);
       return *of;
@@ -274,14 +275,14 @@ class TruthFiles {
 class DatasetWriter::Files {
  public:
   Files(const DatasetFolders& folders, const Calibration& calibration, const DatasetWriterOptions& options);
-  void Add(const Observation& observation, const std::optional<FrameTruthRecord>& truth);
+  void Add(const Observation& observation, const std::optional<FilmedTruth>& truth);
   void Finish(const std::string& ending);
   int64_t frames() const { return frames_; }
 
  private:
   void Check(const Observation& observation) const;
   void AddImages(const Observation& observation);
-  void AddTrueDepth(const FrameTruthRecord& truth, int64_t stamp_ns);
+  void AddTrueDepth(const FilmedTruth& truth, int64_t stamp_ns);
   void AddSamples(const Observation& observation);
 
   bool tum() const { return options_.format == DatasetFormat::kTum; }
@@ -364,7 +365,7 @@ void DatasetWriter::Files::AddImages(const Observation& o) {
 }
 
 /// True depth in place of a sensor's, for tools that want an RGB-D folder whole.
-void DatasetWriter::Files::AddTrueDepth(const FrameTruthRecord& truth, int64_t stamp_ns) {
+void DatasetWriter::Files::AddTrueDepth(const FilmedTruth& truth, int64_t stamp_ns) {
   if (!options_.truth_inside || !tum() || calibration_.has_depth || truth.depth.empty()) return;
   if (!depth_) {
     depth_.emplace(root(), "depth", options_.format);
@@ -397,7 +398,7 @@ void DatasetWriter::Files::AddSamples(const Observation& o) {
   }
 }
 
-void DatasetWriter::Files::Add(const Observation& o, const std::optional<FrameTruthRecord>& truth) {
+void DatasetWriter::Files::Add(const Observation& o, const std::optional<FilmedTruth>& truth) {
   Check(o);
   AddImages(o);
   AddSamples(o);
@@ -436,7 +437,7 @@ DatasetWriter::DatasetWriter(const DatasetFolders& folders, const Calibration& c
 
 DatasetWriter::~DatasetWriter() = default;
 
-void DatasetWriter::Add(const Observation& observation, const std::optional<FrameTruthRecord>& truth) {
+void DatasetWriter::Add(const Observation& observation, const std::optional<FilmedTruth>& truth) {
   files_->Add(observation, truth);
 }
 

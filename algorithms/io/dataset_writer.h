@@ -9,34 +9,11 @@
 #include <vector>
 
 #include "algorithms/core/camera.h"
+#include "algorithms/core/frame_truth.h"
 #include "algorithms/core/observation.h"
-#include "algorithms/core/pose.h"
 #include "algorithms/io/dataset_layout.h"
 
 namespace gaitcam {
-
-/// What is true of one frame, as far as it is known. Images may be empty.
-struct FrameTruthRecord {
-  /// One instant of the exposure.
-  struct SubPose {
-    int64_t stamp_ns = 0;
-    double weight = 0;
-    Pose X_WC;
-  };
-
-  Pose X_WC;                                  ///< Left camera at mid-exposure.
-  std::optional<Pose> X_WC_open, X_WC_close;  ///< At the shutter's opening and close.
-  std::optional<Pose> X_WI;                   ///< The IMU; without it X_WC * X_CI is taken, the neck being at rest.
-  std::optional<Pose> X_WB;                   ///< The robot's root.
-  std::vector<SubPose> subposes;
-  cv::Mat sharp;  ///< CV_8UC1 or CV_8UC3: the left image without blur and noise.
-  cv::Mat depth;  ///< CV_32FC1, m; 0 where nothing was hit.
-  cv::Mat blur;   ///< CV_32FC2, px from shutter open to close; NaN where unknown.
-  double blur_median_px = 0, blur_p90_px = 0, blur_max_px = 0;
-  int step = -1;          ///< Of the gait; -1 while standing.
-  double step_phase = 0;  ///< 0..1 within the step.
-  bool left_contact = false, right_contact = false;
-};
 
 struct DatasetWriterOptions {
   DatasetFormat format = DatasetFormat::kTum;
@@ -61,7 +38,7 @@ class DatasetWriter {
   /// caller, the caller waits.
   /// @throws BadInput if the observation is not what the calibration says (image size, a missing right image or depth);
   /// MissingResource if the disk is full, at the latest in Finish().
-  void Add(const Observation& observation, const std::optional<FrameTruthRecord>& truth);
+  void Add(const Observation& observation, const std::optional<FilmedTruth>& truth);
 
   /// Gives the folders their names. @param ending how the recording ended, for about.txt: "finished", "fell at 3.2 s".
   void Finish(const std::string& ending);

@@ -1,6 +1,6 @@
 #include "algorithms/io/place_graph_file.h"
 
-#include <tinyxml.h>
+#include <tinyxml2.h>
 
 #include <charconv>
 #include <string>
@@ -10,6 +10,8 @@
 
 namespace gaitcam {
 namespace {
+
+using tinyxml2::XMLElement;
 
 struct Key {
   const char* id;
@@ -23,53 +25,57 @@ constexpr Key kKeys[] = {{"stamp_ns", "all", "long"},
                          {"y_m", "node", "double"},
                          {"loop", "edge", "boolean"}};
 
-TiXmlElement* AddChild(TiXmlNode& parent, const char* name) {
-  return parent.InsertEndChild(TiXmlElement(name))->ToElement();
-}
-
-void AddData(TiXmlElement& parent, const char* key, const std::string& value) {
-  TiXmlElement* data = AddChild(parent, "data");
+void AddData(XMLElement& parent, const char* key, const std::string& value) {
+  XMLElement* data = parent.InsertNewChildElement("data");
   data->SetAttribute("key", key);
-  data->InsertEndChild(TiXmlText(value.c_str()));
+  data->SetText(value.c_str());
 }
 
 [[noreturn]] void Fail(const std::filesystem::path& file, int line, const std::string& message) {
   throw BadInput(file.string() + ":" + std::to_string(line) + ": " + message);
 }
 
+/// Two spaces for each level.
+class GraphMlPrinter : public tinyxml2::XMLPrinter {
+ protected:
+  void PrintSpace(int depth) override {
+    for (int i = 0; i < depth; ++i) Write("  ");
+  }
+};
+
 /// Reads elements' data with errors that point at them.
 class Reader {
  public:
   explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
 
-  const char* Find(const TiXmlElement& element, const char* key) const {
-    for (const TiXmlElement* data = element.FirstChildElement("data"); data; data = data->NextSiblingElement("data")) {
+  const char* Find(const XMLElement& element, const char* key) const {
+    for (const XMLElement* data = element.FirstChildElement("data"); data; data = data->NextSiblingElement("data")) {
       const char* name = data->Attribute("key");
       if (name && std::string(name) == key && data->GetText()) return data->GetText();
     }
     return nullptr;
   }
-  std::string Text(const TiXmlElement& element, const char* key) const {
+  std::string Text(const XMLElement& element, const char* key) const {
     if (const char* text = Find(element, key)) return text;
-    Fail(file_, element.Row(), std::string(element.Value()) + " has no data for the key " + key);
+    Fail(file_, element.GetLineNum(), std::string(element.Value()) + " has no data for the key " + key);
   }
   template <class Number>
-  Number Value(const TiXmlElement& element, const char* key) const {
+  Number Value(const XMLElement& element, const char* key) const {
     const std::string text = Text(element, key);
     Number value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size()) {
-      Fail(file_, element.Row(), std::string(key) + ": \"" + text + "\" is not a number");
+      Fail(file_, element.GetLineNum(), std::string(key) + ": \"" + text + "\" is not a number");
     }
     return value;
   }
-  int Node(const TiXmlElement& edge, const char* attribute, size_t nodes) const {
+  int Node(const XMLElement& edge, const char* attribute, size_t nodes) const {
     const char* text = edge.Attribute(attribute);
     int node = -1;
     const std::string id = text ? text : "";
     if (id.size() > 1 && id[0] == 'n') std::from_chars(id.data() + 1, id.data() + id.size(), node);
     if (node >= 0 && size_t(node) < nodes) return node;
-    Fail(file_, edge.Row(), std::string("edge: ") + attribute + " = \"" + id + "\" is no node of this graph");
+    Fail(file_, edge.GetLineNum(), std::string("edge: ") + attribute + " = \"" + id + "\" is no node of this graph");
   }
 
  private:
@@ -81,22 +87,23 @@ class Reader {
 void WritePlaceGraph(const std::filesystem::path& file, const PlaceGraph& graph,
                      const std::vector<Eigen::Vector2d>& positions_m) {
   GAITCAM_ASSERT(positions_m.empty() || positions_m.size() == graph.nodes.size());
-  TiXmlDocument document;
-  document.InsertEndChild(TiXmlDeclaration("1.0", "UTF-8", ""));
-  TiXmlElement* root = AddChild(document, "graphml");
+  tinyxml2::XMLDocument document;
+  document.InsertEndChild(document.NewDeclaration());
+  XMLElement* root = document.NewElement("graphml");
+  document.InsertEndChild(root);
   root->SetAttribute("xmlns", "http://graphml.graphdrawing.org/xmlns");
   for (const Key& key : kKeys) {
-    TiXmlElement* element = AddChild(*root, "key");
+    XMLElement* element = root->InsertNewChildElement("key");
     element->SetAttribute("id", key.id);
     element->SetAttribute("for", key.domain);
     element->SetAttribute("attr.name", key.id);
     element->SetAttribute("attr.type", key.type);
   }
-  TiXmlElement* places = AddChild(*root, "graph");
+  XMLElement* places = root->InsertNewChildElement("graph");
   places->SetAttribute("id", "places");
   places->SetAttribute("edgedefault", "undirected");
   for (size_t i = 0; i < graph.nodes.size(); ++i) {
-    TiXmlElement* node = AddChild(*places, "node");
+    XMLElement* node = places->InsertNewChildElement("node");
     node->SetAttribute("id", ("n" + std::to_string(i)).c_str());
     AddData(*node, "stamp_ns", std::to_string(graph.nodes[i].stamp_ns));
     AddData(*node, "bytes", std::to_string(graph.nodes[i].bytes));
@@ -105,29 +112,28 @@ void WritePlaceGraph(const std::filesystem::path& file, const PlaceGraph& graph,
     AddData(*node, "y_m", ExactText(positions_m[i].y()));
   }
   for (const PlaceLink& link : graph.links) {
-    TiXmlElement* edge = AddChild(*places, "edge");
+    XMLElement* edge = places->InsertNewChildElement("edge");
     edge->SetAttribute("source", ("n" + std::to_string(link.from)).c_str());
     edge->SetAttribute("target", ("n" + std::to_string(link.to)).c_str());
     AddData(*edge, "stamp_ns", std::to_string(link.stamp_ns));
     AddData(*edge, "loop", link.loop ? "true" : "false");
   }
-  TiXmlPrinter printer;
-  printer.SetIndent("  ");
-  document.Accept(&printer);
-  WriteWholeFile(file, printer.Str());
+  GraphMlPrinter printer;
+  document.Print(&printer);
+  WriteWholeFile(file, printer.CStr());
 }
 
 PlaceGraphFile ReadPlaceGraph(const std::filesystem::path& file) {
-  TiXmlDocument document;
-  if (!document.LoadFile(file.string().c_str())) {
-    Fail(file, document.ErrorRow(), document.ErrorDesc());
+  tinyxml2::XMLDocument document;
+  if (document.LoadFile(file.string().c_str()) != tinyxml2::XML_SUCCESS) {
+    Fail(file, document.ErrorLineNum(), document.ErrorName());
   }
-  const TiXmlElement* root = document.FirstChildElement("graphml");
-  const TiXmlElement* places = root ? root->FirstChildElement("graph") : nullptr;
+  const XMLElement* root = document.FirstChildElement("graphml");
+  const XMLElement* places = root ? root->FirstChildElement("graph") : nullptr;
   if (!places) Fail(file, 1, "there is no <graphml> with a <graph> in it");
   const Reader reader(file);
   PlaceGraphFile result;
-  for (const TiXmlElement* node = places->FirstChildElement("node"); node; node = node->NextSiblingElement("node")) {
+  for (const XMLElement* node = places->FirstChildElement("node"); node; node = node->NextSiblingElement("node")) {
     PlaceNode place;
     place.stamp_ns = reader.Value<int64_t>(*node, "stamp_ns");
     place.bytes = reader.Value<size_t>(*node, "bytes");
@@ -137,8 +143,8 @@ PlaceGraphFile ReadPlaceGraph(const std::filesystem::path& file) {
   }
   const size_t nodes = result.graph.nodes.size();
   if (!result.positions_m.empty() && result.positions_m.size() != nodes)
-    Fail(file, places->Row(), "some nodes have positions, some have none");
-  for (const TiXmlElement* edge = places->FirstChildElement("edge"); edge; edge = edge->NextSiblingElement("edge")) {
+    Fail(file, places->GetLineNum(), "some nodes have positions, some have none");
+  for (const XMLElement* edge = places->FirstChildElement("edge"); edge; edge = edge->NextSiblingElement("edge")) {
     PlaceLink link;
     link.from = reader.Node(*edge, "source", nodes);
     link.to = reader.Node(*edge, "target", nodes);

@@ -11,7 +11,7 @@ namespace gaitcam {
 namespace {
 
 constexpr size_t kTumFields = 8, kKittiFields = 12, kEurocFields = 8;
-constexpr double kNotUnit = 0.01;  // published files round quaternions to four digits and matrices to six
+constexpr double kMaxUnitError = 0.01;  // published files round quaternions to four digits and matrices to six
 
 TrajectoryFormat FormatOf(const std::filesystem::path& file) {
   TextTable table(file, ' ');
@@ -29,7 +29,7 @@ TrajectoryFormat FormatOf(const std::filesystem::path& file) {
 Eigen::Quaterniond Rotation(const TextTable& table, double w, double x, double y, double z) {
   Eigen::Quaterniond q(w, x, y, z);
   const double norm = q.norm();
-  if (std::abs(norm - 1) > kNotUnit) {
+  if (std::abs(norm - 1) > kMaxUnitError) {
     table.Fail("the quaternion's length is " + ExactText(norm) + "; expected 1");
   }
   constexpr double kRounding = 1e-14;
@@ -67,7 +67,7 @@ Pose KittiPose(const TextTable& table) {
   Eigen::Matrix<double, 3, 4> M;
   for (int i = 0; i < 12; ++i) M(i / 4, i % 4) = table.Number(size_t(i), "a number of a 3 x 4 pose matrix");
   const Eigen::Matrix3d R = M.leftCols<3>();
-  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kNotUnit || R.determinant() < 0) {
+  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kMaxUnitError || R.determinant() < 0) {
     table.Fail("columns 1-3, 5-7 and 9-11 are not a rotation matrix");
   }
   return {R, M.col(3)};
@@ -110,15 +110,7 @@ Trajectory ReadKitti(const std::filesystem::path& file, const std::filesystem::p
 
 }  // namespace
 
-std::string ToString(TrajectoryFormat format) {
-  switch (format) {
-    case TrajectoryFormat::kTum: return "tum";
-    case TrajectoryFormat::kKitti: return "kitti";
-    case TrajectoryFormat::kEuroc: return "euroc";
-  }
-  GAITCAM_ASSERT(false);
-  return {};
-}
+std::string ToString(TrajectoryFormat format) { return std::string(ToWord(format)); }
 
 TrajectoryFormat TrajectoryFormatFromText(const std::string& text) {
   for (const auto format : {TrajectoryFormat::kTum, TrajectoryFormat::kKitti, TrajectoryFormat::kEuroc}) {

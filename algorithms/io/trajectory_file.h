@@ -13,11 +13,16 @@
 #include <optional>
 #include <string>
 
+#include "algorithms/core/enum_words.h"
 #include "algorithms/core/trajectory.h"
 
 namespace gaitcam {
 
 enum class TrajectoryFormat { kTum, kKitti, kEuroc };
+constexpr auto WordsOf(TrajectoryFormat) {
+  return std::array{EnumWord{TrajectoryFormat::kTum, "tum"}, EnumWord{TrajectoryFormat::kKitti, "kitti"},
+                    EnumWord{TrajectoryFormat::kEuroc, "euroc"}};
+}
 
 /// "tum", "kitti", "euroc".
 std::string ToString(TrajectoryFormat format);

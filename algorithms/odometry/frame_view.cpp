@@ -22,4 +22,10 @@ FrameView ViewFrame(const cv::Mat& image, const CameraModel& camera, cv::Feature
   return view;
 }
 
+Words FeatureNames() {
+  Words names;
+  for (const FeatureInfo& info : ListFeatures()) names.words.push_back(info.name);
+  return names;
+}
+
 }  // namespace gaitcam

@@ -1,4 +1,4 @@
-/// A frame's features and what they mean geometrically.
+/// A frame's features and their rays.
 
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "algorithms/core/camera.h"
+#include "algorithms/core/fields.h"
 #include "algorithms/core/pose.h"
 #include "algorithms/features/features.h"
 
@@ -15,19 +16,23 @@ namespace gaitcam {
 
 struct FrameView {
   Features features;
-  std::vector<Eigen::Vector2d> xy;  ///< Undistorted normalised coordinates, one per feature.
+  std::vector<Eigen::Vector2d> xy;  ///< Undistorted normalised image coordinates, one per feature.
   std::vector<double> sigma;        ///< Standard deviation of each coordinate.
-  Pose X_WC;
+  Pose X_WC;                        ///< Set once it is estimated.
 };
 
-/// How exactly a feature's place is known.
+/// How exactly a feature is located: standard deviation of each pixel coordinate, px.
 struct FeatureNoise {
-  double sigma_px = 0;        ///< Standard deviation of each coordinate of the smallest feature ...
-  double sigma_per_size = 0;  ///< ... and what each px of a keypoint's diameter adds to it.
+  double sigma_px = 0;        ///< Of a keypoint of size 0.
+  double sigma_per_size = 0;  ///< What each px of a keypoint's diameter adds.
 };
 
+/// Detects, describes and undistorts.
 /// @throws BadInput if the image's size is not the camera's
 FrameView ViewFrame(const cv::Mat& image, const CameraModel& camera, cv::Feature2D& detector, int max_features,
                     const FeatureNoise& noise);
+
+/// Names of all detectors (algorithms/features/features.h), for options.
+Words FeatureNames();
 
 }  // namespace gaitcam

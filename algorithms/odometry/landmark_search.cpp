@@ -17,7 +17,7 @@ double Distance(const cv::Mat& a, const cv::Mat& b, int row_b) {
   return std::sqrt((Row(a.ptr<float>(), a.cols) - Row(b.ptr<float>(row_b), b.cols)).squaredNorm());
 }
 
-/// Features sorted into square cells, so that those near a place are found without looking at all.
+/// Features sorted into square cells: those near a position are found without visiting all.
 class FeatureGrid {
  public:
   FeatureGrid(const std::vector<Eigen::Vector2d>& xy, double cell) : xy_(xy), cell_(cell) {
@@ -67,7 +67,7 @@ struct Nearest {
   double distance = std::numeric_limits<double>::infinity();
 };
 
-/// The nearest feature if it is much nearer than any rival at another place.
+/// The feature with the nearest descriptor, if it passes the ratio test against candidates elsewhere in the image.
 Nearest FindNearest(const Landmark& landmark, const FrameView& view, const std::vector<int>& candidates,
                     const LandmarkSearchOptions& options) {
   Nearest best;
@@ -80,18 +80,18 @@ Nearest FindNearest(const Landmark& landmark, const FrameView& view, const std::
   for (size_t k = 0; k < candidates.size(); ++k) {
     if (distances[k] * options.ratio > best.distance || candidates[k] == best.feature) continue;
     const Eigen::Vector2d apart = view.xy[size_t(candidates[k])] - view.xy[size_t(best.feature)];
-    if (apart.norm() > options.same_place) return {};
+    if (apart.norm() > options.same_point) return {};
   }
   return best;
 }
 
 }  // namespace
 
-std::vector<LandmarkMatch> SearchNear(const LandmarkMap& map, const FrameView& view, const Pose& X_WC,
+std::vector<LandmarkMatch> SearchNear(const KeyframeMap& map, const FrameView& view, const Pose& X_WC,
                                       const LandmarkSearchOptions& options) {
   const FeatureGrid grid(view.xy, std::max(0.02, options.radius));
-  // One feature may look like several landmarks that are one thing: the one seen most often has it, so that tracks are
-  // long.
+  // Several landmarks may be the same point of the world: the one observed most often gets the feature, so that tracks
+  // are long.
   struct Claim {
     int landmark = -1;
     size_t observations = 0;
@@ -126,7 +126,7 @@ std::vector<LandmarkMatch> SearchNear(const LandmarkMap& map, const FrameView& v
   return matches;
 }
 
-std::vector<LandmarkMatch> SearchAnywhere(const LandmarkMap& map, const FrameView& view, double ratio) {
+std::vector<LandmarkMatch> SearchAnywhere(const KeyframeMap& map, const FrameView& view, double ratio) {
   if (map.landmarks().empty() || view.xy.empty()) return {};
   cv::Mat descriptors;
   for (const Landmark& landmark : map.landmarks()) descriptors.push_back(landmark.descriptor);

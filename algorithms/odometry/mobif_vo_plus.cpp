@@ -5,22 +5,22 @@
 
 #include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
+#include "algorithms/core/units.h"
 #include "algorithms/features/features.h"
 #include "algorithms/features/matching.h"
 #include "algorithms/geometry/homography.h"
 #include "algorithms/geometry/two_view.h"
-#include "algorithms/odometry/floor_guess.h"
-#include "algorithms/odometry/landmark_map.h"
-#include "algorithms/odometry/landmark_pose.h"
+#include "algorithms/odometry/floor_prior.h"
+#include "algorithms/odometry/keyframe_map.h"
+#include "algorithms/odometry/landmark_localizer.h"
 
 namespace gaitcam {
 namespace {
 
-constexpr double kRadPerDeg = M_PI / 180;
 constexpr double kLevel = 0.82;  // cosine of the largest angle between a floor's normal and the camera's up: 35 degrees
 
 /// Where a frame stands: its place relative to a keyframe, so that what is learnt of the keyframe later moves it too.
-struct FrameRecord {
+struct KeyframedRecord {
   FrameEstimate answer;
   int keyframe = -1;  ///< -1: no pose, or one given before there was a keyframe.
   Pose X_KC;
@@ -47,7 +47,13 @@ std::optional<TwoView> OverALevelPlane(const std::vector<PointPair>& pairs, cons
   return two_view;
 }
 
-LandmarkMapOptions MapOptions(const MobifVoPlusOptions& o) {
+/// Whether no camera that is carried gets from there to here: believed because many landmarks say so, but marked.
+bool IsJump(const PositionPrior& prior, const Pose& X_WC) {
+  constexpr double kNeverCarried = 8;  // standard deviations: 5 median depths a second
+  return (X_WC.translation - prior.position_W).norm() >= kNeverCarried * prior.sigma;
+}
+
+KeyframeMapOptions MapOptions(const MobifVoPlusOptions& o) {
   return {o.window, o.memory, o.adjust_iterations, o.landmarks.outlier_sigmas};
 }
 
@@ -72,11 +78,11 @@ class MobifVoPlus::Tracker {
   void PlaceWaiting();
   bool StartMap(FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
   void AddKeyframe(FrameView& view);
-  LandmarkMap::Guess Guess() const {
-    return [this](const Pose& X_WC, const Eigen::Vector2d& xy) { return floor_.At(X_WC, xy); };
+  KeyframeMap::DepthPriorOf Guess() const {
+    return [this](const Pose& X_WC, const Eigen::Vector2d& xy) { return floor_.DepthAt(X_WC, xy); };
   }
   PositionPrior Expect(int64_t stamp_ns) const {
-    return placer_.Expect(X_WC_last_->translation, stamp_ns - last_ns_, median_depth_);
+    return placer_.PredictPosition(X_WC_last_->translation, stamp_ns - last_ns_, median_depth_);
   }
   Pose Predict(const Observation& observation) const;
   bool Locate(FrameView& view, const Observation& observation);
@@ -92,9 +98,9 @@ class MobifVoPlus::Tracker {
   cv::Ptr<cv::Feature2D> detector_;
   RandomStream random_;
 
-  LandmarkPlacer placer_;
-  LandmarkMap map_;
-  FloorGuess floor_;
+  LandmarkLocalizer placer_;
+  KeyframeMap map_;
+  FloorPrior floor_;
   std::optional<FrameView> reference_;  ///< The first of the two frames that will start a map.
   struct Waiting {
     size_t record = 0;
@@ -113,7 +119,7 @@ class MobifVoPlus::Tracker {
   int64_t last_ns_ = 0;                 ///< Its stamp.
   double median_depth_ = 1;             ///< At the last keyframe; the unit when a map begins.
   int lost_frames_ = 0;
-  std::vector<FrameRecord> records_;
+  std::vector<KeyframedRecord> records_;
 };
 
 FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
@@ -128,7 +134,7 @@ FrameEstimate MobifVoPlus::Tracker::Track(const Observation& observation) {
   answer.inliers = int(inliers_.size());
   if (found) {
     answer.status = TrackingStatus::kTracking;
-    const bool is_jump = X_WC_last_ && LandmarkPlacer::IsJump(Expect(answer.stamp_ns), view.X_WC);
+    const bool is_jump = X_WC_last_ && IsJump(Expect(answer.stamp_ns), view.X_WC);
     answer.restarted = was_lost || is_jump;
     lost_frames_ = 0;
     if (had_map && WantsKeyframe(view)) {
@@ -236,9 +242,9 @@ bool MobifVoPlus::Tracker::StartMap(FrameView& view, const std::vector<Match>& m
 /// Frames that were taken to turn on the spot are placed in the map that came of them, for the final word.
 void MobifVoPlus::Tracker::PlaceWaiting() {
   for (Waiting& frame : waiting_) {
-    LandmarkPoseGuess guess;
+    PosePrediction guess;
     guess.X_WC = reference_->X_WC;
-    const auto placed = placer_.PlaceWithNoise(map_, frame.view, guess, 1, random_);
+    const auto placed = placer_.LocalizeWithNoise(map_, frame.view, guess, 1, random_);
     if (placed) Attach(frame.record, placed->X_WC);
   }
   waiting_.clear();
@@ -274,11 +280,11 @@ Pose MobifVoPlus::Tracker::Predict(const Observation& observation) const {
 
 /// With a map: the pose from its landmarks.
 bool MobifVoPlus::Tracker::Locate(FrameView& view, const Observation& observation) {
-  LandmarkPoseGuess guess;
+  PosePrediction guess;
   guess.X_WC = Predict(observation);
   guess.prior = Expect(observation.stamp_ns);
-  guess.usual_inliers = usual_inliers_ > 0 ? usual_inliers_ : usual_before_;
-  const auto placed = placer_.Place(map_, view, guess, random_);
+  guess.expected_inliers = usual_inliers_ > 0 ? usual_inliers_ : usual_before_;
+  const auto placed = placer_.Localize(map_, view, guess, random_);
   if (!placed) return false;
   view.X_WC = placed->X_WC;
   inliers_ = placed->inliers;
@@ -288,10 +294,10 @@ bool MobifVoPlus::Tracker::Locate(FrameView& view, const Observation& observatio
 
 /// Frames that were lost between two that have a pose have better expectations now: for the final word.
 void MobifVoPlus::Tracker::PlaceMissed(const FrameView& view, int64_t stamp_ns) {
-  const StampedPlace before{*X_WC_last_, last_ns_}, after{view.X_WC, stamp_ns};
+  const StampedPose before{last_ns_, *X_WC_last_}, after{stamp_ns, view.X_WC};
   for (const Waiting& frame : missed_) {
-    const auto placed =
-        placer_.PlaceBetween(map_, frame.view, frame.stamp_ns, before, after, median_depth_, usual_inliers_, random_);
+    const auto placed = placer_.LocalizeBetween(map_, frame.view, frame.stamp_ns, before, after, median_depth_,
+                                                usual_inliers_, random_);
     if (placed) Attach(frame.record, placed->X_WC);
   }
   missed_.clear();
@@ -323,7 +329,7 @@ bool MobifVoPlus::Tracker::IsKeyframeDue(const FrameView& view) const {
 }
 
 void MobifVoPlus::Tracker::Record(const FrameEstimate& answer, const FrameView& view) {
-  FrameRecord record{answer, -1, Pose()};
+  KeyframedRecord record{answer, -1, Pose()};
   if (answer.pose && keyframe_ >= 0) {
     record.keyframe = keyframe_;
     record.X_KC = map_.keyframes()[size_t(keyframe_)].Inverse() * view.X_WC;
@@ -334,7 +340,7 @@ void MobifVoPlus::Tracker::Record(const FrameEstimate& answer, const FrameView& 
 /// Frames after a keyframe move with it.
 std::vector<FrameEstimate> MobifVoPlus::Tracker::Finish() {
   std::vector<FrameEstimate> frames;
-  for (const FrameRecord& record : records_) {
+  for (const KeyframedRecord& record : records_) {
     FrameEstimate frame = record.answer;
     if (record.keyframe >= 0) {
       frame.pose = map_.keyframes()[size_t(record.keyframe)] * record.X_KC;

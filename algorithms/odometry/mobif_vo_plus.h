@@ -1,7 +1,7 @@
 /// Monocular visual odometry for a camera that shakes: keyframes, points that live over many views as inverse depths,
 /// and windowed bundle adjustment over blur-robust features.
 ///
-/// What it adds to the thesis's seven steps (section 5.4; frame_to_frame_vo.h): a frame is placed by all points that
+/// What it adds to the thesis's seven steps (section 5.4; two_view_vo.h): a frame is placed by all points that
 /// the last keyframes saw, not by the frame before it; a feature constrains rotation from the moment it is first seen,
 /// its depth unknown, so that turning on the spot and standing still need no special case; the depths' uncertainty
 /// weighs every pose; and bundle adjustment over the last keyframes keeps scale from drifting.
@@ -18,19 +18,19 @@
 #include "algorithms/core/estimate.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/core/observation.h"
-#include "algorithms/odometry/landmark_pose.h"
+#include "algorithms/odometry/landmark_localizer.h"
 
 namespace gaitcam {
 
 struct MobifVoPlusOptions {
   using DescribedTag = void;
 
-  std::string feature = "mobif";  ///< Detector by name (algorithms/features/features.h).
-  int max_features = 800;         ///< Strongest features kept per frame.
-  double sensitivity = 4;         ///< The detector's threshold is divided by this.
-  double ratio = 0.8;             ///< Nearest over second nearest descriptor distance.
-  LandmarkPoseOptions landmarks;  ///< How a frame is placed by them. Its fields are fields of these options.
-  int max_lost_frames = 30;       ///< After so many frames without a pose the map is given up and begun anew.
+  std::string feature = "mobif";       ///< Detector by name (algorithms/features/features.h).
+  int max_features = 800;              ///< Strongest features kept per frame.
+  double sensitivity = 4;              ///< The detector's threshold is divided by this.
+  double ratio = 0.8;                  ///< Nearest over second nearest descriptor distance.
+  LandmarkLocalizerOptions landmarks;  ///< How a frame is placed by them. Its fields are fields of these options.
+  int max_lost_frames = 30;            ///< After so many frames without a pose the map is given up and begun anew.
 
   double start_parallax_deg = 1.0;   ///< Median angle between the rays of the two frames that start a map ...
   double start_direction_deg = 0.5;  ///< ... and the largest standard deviation of their baseline's direction.

@@ -9,7 +9,7 @@ namespace gaitcam {
 namespace {
 
 constexpr int kWindowStep_px = 16;
-constexpr double kLeastDistance = 1e-6;  // of equal signatures, so that similarity stays finite
+constexpr double kMinDistance = 1e-6;  // of equal signatures, so that similarity stays finite
 
 class FourierIndex : public PlaceIndex {
  public:
@@ -28,13 +28,13 @@ class FourierIndex : public PlaceIndex {
     std::vector<PlaceMatch> matches;
     for (const std::vector<std::vector<float>>& windows : places_) {
       size_t best = 0;
-      double least = 1e300;
+      double min_distance = 1e300;
       for (size_t k = 0; k < windows.size(); ++k) {
         const double distance = FourierDistance(windows[k], signature);
-        if (distance < least) least = distance, best = k;
+        if (distance < min_distance) min_distance = distance, best = k;
       }
       const double left_px = double(best) * kWindowStep_px;
-      matches.push_back({1 / std::max(least, kLeastDistance),
+      matches.push_back({1 / std::max(min_distance, kMinDistance),
                          scope_ == FourierScope::kWhole ? 0 : internal::BearingOf(layout_, left_px, view.cols)});
     }
     return matches;
@@ -54,8 +54,8 @@ class FourierIndex : public PlaceIndex {
     return windows;
   }
 
-  /// Coefficient k of a view has the frequency of coefficient k panorama / view of the panorama, and takes in that
-  /// band's power.
+  /// Coefficient k of a view has the frequency of coefficient k (panorama width / view width) of the panorama: the root
+  /// mean square of the panorama's coefficients in that band.
   std::vector<std::vector<float>> OfWhole(const cv::Mat& panorama) const {
     const double ratio = double(layout_.width_px) / view_width_px_;
     const int last = int(std::ceil((kFourierCoefficients + 0.5) * ratio));
@@ -72,7 +72,7 @@ class FourierIndex : public PlaceIndex {
     return {Scaled(coarse)};
   }
 
-  /// A piece and the whole have different mean and gain: only the spectrum's shape is left to compare.
+  /// A section and the whole have different mean and standard deviation: only the spectrum's shape is compared.
   std::vector<float> Scaled(std::vector<float> signature) const {
     if (scope_ != FourierScope::kWhole) return signature;
     float sum = 0;

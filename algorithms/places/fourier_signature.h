@@ -1,11 +1,12 @@
-/// The Fourier signature that the thesis compares with (3.3, 4.6): the rows are averaged to a single one, and the
-/// magnitudes of its first Fourier coefficients are kept; signatures are compared by the sum of absolute differences.
+/// The Fourier signature, which the thesis compares the wavelet signature with (3.3, 4.6): the rows are averaged to a
+/// single one, and the magnitudes of its first Fourier coefficients are kept; signatures are compared by the sum of
+/// absolute differences.
 ///
-/// Magnitudes do not change as a panorama turns, which is what they are good for: two panoramas are compared as they
-/// are. A view shows a piece only, and the spectrum of a piece is not that of the whole. Two ways are offered.
-/// `kWindows`: a spectrum of each window as wide as a view, every 16 px; the best one counts, as for wavelets.
-/// `kWhole`: the single spectrum of the whole panorama, read at the view's frequencies; it has no bearing. Light is
-/// taken out in both: rows are freed of mean and gain (standard deviation) before.
+/// Magnitudes are invariant to the rotation of a panorama. A view shows a section only, the spectrum of which is not
+/// that of the whole. There are two variants. `kWindows`: a spectrum of each window as wide as a view, every 16 px; the
+/// best one counts, as for wavelets. `kWhole`: the single spectrum of the whole panorama, sampled at the view's
+/// frequencies; it has no bearing. Both are normalised against illumination: the averaged row has mean 0 and standard
+/// deviation 1.
 
 #pragma once
 
@@ -20,8 +21,8 @@ struct PlaceIndexSetup;
 
 constexpr int kFourierCoefficients = 15;  ///< 1 ... 15; coefficient 0 is the brightness.
 
-/// Magnitudes of coefficients 1 ... `coefficients` of the averaged row of CV_8UC1 `image`, freed of mean and gain, over
-/// the root of its length.
+/// Magnitudes of coefficients 1 ... `coefficients` of the averaged and normalised row of CV_8UC1 `image`, over the
+/// square root of its length.
 std::vector<float> FourierSignature(const cv::Mat& image, int coefficients = kFourierCoefficients);
 
 /// Sum of absolute differences. @pre equal lengths.

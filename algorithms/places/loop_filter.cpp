@@ -8,25 +8,27 @@ namespace gaitcam {
 LoopFilter::LoopFilter(const LoopFilterOptions& options) : options_(options) { CheckFields(options, "loop."); }
 
 double LoopFilter::Likelihood(double similarity) const {
-  if (options_.likelihood == "similarity") return similarity;
+  if (options_.likelihood == LoopLikelihood::kSimilarity) return similarity;
   return std::exp(options_.sharpness * (0.5 / options_.threshold - 0.5 / std::max(similarity, 0.5)));
 }
 
 std::vector<double> LoopFilter::Predict(size_t states, const std::vector<PlaceLink>& links) const {
   std::vector<double> predicted(states, 1.0 / double(states));
-  if (belief_.empty() || options_.transition == "uniform") return predicted;
-  std::vector<std::vector<size_t>> reach(states);  // where a state may go: it stays, or goes on to neighbours
-  for (size_t i = 0; i < states; ++i) reach[i] = {i};
+  if (belief_.empty() || options_.transition == LoopTransition::kUniform) return predicted;
+  std::vector<std::vector<size_t>> successors(states);  // states that may follow
+  for (size_t i = 0; i < states; ++i) successors[i] = {i};
   for (const PlaceLink& link : links) {
-    const auto add = [&](size_t from, size_t to) {  // once, however often the way was gone
-      if (std::find(reach[from].begin(), reach[from].end(), to) == reach[from].end()) reach[from].push_back(to);
+    const auto add = [&](size_t from, size_t to) {  // once, however many links there are
+      if (std::find(successors[from].begin(), successors[from].end(), to) == successors[from].end())
+        successors[from].push_back(to);
     };
     add(size_t(link.from) + 1, size_t(link.to) + 1);
     add(size_t(link.to) + 1, size_t(link.from) + 1);
   }
   for (double& p : predicted) p *= options_.teleport;
   for (size_t i = 0; i < belief_.size(); ++i) {
-    for (const size_t to : reach[i]) predicted[to] += (1 - options_.teleport) * belief_[i] / double(reach[i].size());
+    for (const size_t to : successors[i])
+      predicted[to] += (1 - options_.teleport) * belief_[i] / double(successors[i].size());
   }
   return predicted;
 }
@@ -36,7 +38,7 @@ LoopFilter::Belief LoopFilter::Update(const std::vector<double>& similarity, con
   const size_t states = similarity.size() + 1;
   GAITCAM_ASSERT(belief_.size() <= states && left_out.size() == similarity.size());
   Belief belief;
-  belief.likelihood = {options_.likelihood == "similarity" ? options_.threshold : 1.0};
+  belief.likelihood = {options_.likelihood == LoopLikelihood::kSimilarity ? options_.threshold : 1.0};
   for (size_t i = 0; i < similarity.size(); ++i)
     belief.likelihood.push_back(left_out[i] ? 0 : Likelihood(similarity[i]));
   belief.posterior = Predict(states, links);

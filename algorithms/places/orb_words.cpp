@@ -11,10 +11,10 @@ namespace gaitcam {
 namespace {
 
 constexpr int kWords = 256;
-constexpr int kRounds = 10;                // of k-majority
-constexpr int kMostTraining = 20000;       // descriptors
+constexpr int kRounds = 10;  // of k-majority
+constexpr int kMaxTrainingDescriptors = 20000;
 constexpr int kFeaturesPerPanorama = 800;  // and as many per width in views
-constexpr int kWindowStep_px = 16;
+constexpr int kWordWindowStep_px = 16;
 
 struct Feature {
   uint16_t word = 0;
@@ -39,11 +39,11 @@ class OrbWordsIndex : public PlaceIndex {
 
   void Add(const cv::Mat& panorama) override {
     internal::CheckPlaceImage(panorama, layout_.width_px, layout_.height_px, "panorama");
-    // Once round and as far on as a window may reach, so that features at the seam are found as elsewhere.
+    // Unrolled beyond 360 degrees by a window, so that features at the seam are found as elsewhere.
     Place place{Features(cv::repeat(panorama, 1, 2).colRange(0, layout_.width_px + view_width_px_)), {}};
     std::sort(place.features.begin(), place.features.end(),
               [](const Feature& a, const Feature& b) { return a.column < b.column; });
-    for (int left = 0; left < layout_.width_px; left += kWindowStep_px) {
+    for (int left = 0; left < layout_.width_px; left += kWordWindowStep_px) {
       std::vector<double> vector(kWords, 0.0);
       for (const Feature& feature : place.features) {
         if (feature.column >= left && feature.column < left + view_width_px_)
@@ -106,33 +106,34 @@ class OrbWordsIndex : public PlaceIndex {
       std::vector<cv::KeyPoint> points;
       const cv::Mat descriptors = Detect(image, points);
       if (!descriptors.empty()) all.push_back(descriptors);
-      if (all.rows >= kMostTraining) break;
+      if (all.rows >= kMaxTrainingDescriptors) break;
     }
     words_ = LearnBinaryWords(all, kWords, seed);
-    std::vector<double> pieces_with(kWords, 0.5);  // half a piece: a word that no piece has weighs finitely
-    double pieces = 1;
+    std::vector<double> documents_with(kWords, 0.5);  // half a document: the weight of a word without any is finite
+    double documents = 1;
     for (const cv::Mat& image : images) {
-      for (int left = 0; left < image.cols; left += view_width_px_, ++pieces) {
+      for (int left = 0; left < image.cols; left += view_width_px_, ++documents) {
         std::vector<bool> seen(kWords, false);
         for (const Feature& feature : Features(image.colRange(left, std::min(image.cols, left + view_width_px_))))
           seen[feature.word] = true;
-        for (size_t word = 0; word < kWords; ++word) pieces_with[word] += seen[word] ? 1 : 0;
+        for (size_t word = 0; word < kWords; ++word) documents_with[word] += seen[word] ? 1 : 0;
       }
     }
-    for (size_t word = 0; word < kWords; ++word) idf_.push_back(std::max(0.0, std::log(pieces / pieces_with[word])));
+    for (size_t word = 0; word < kWords; ++word)
+      idf_.push_back(std::max(0.0, std::log(documents / documents_with[word])));
   }
 
   PlaceMatch BestWindow(const Place& place, const std::vector<double>& vector, double norm) const {
-    // The scalar product is a sum over the window's features: of those left of its end less those left of its begin.
+    // The scalar product is a sum over the window's features: the sum up to its end less the sum up to its beginning.
     std::vector<double> sums(size_t(layout_.width_px + view_width_px_) + 1, 0.0);
     for (const Feature& feature : place.features)
       sums[std::min(size_t(feature.column) + 1, sums.size() - 1)] += vector[feature.word] * idf_[feature.word];
     for (size_t k = 1; k < sums.size(); ++k) sums[k] += sums[k - 1];
     double best = -1;
     int best_left = 0;
-    for (int left = 0; left < layout_.width_px; left += kWindowStep_px) {
+    for (int left = 0; left < layout_.width_px; left += kWordWindowStep_px) {
       const double product = sums[size_t(left + view_width_px_)] - sums[size_t(left)];
-      const double cosine = product / (norm * std::max(place.norms[size_t(left / kWindowStep_px)], 1e-12f));
+      const double cosine = product / (norm * std::max(place.norms[size_t(left / kWordWindowStep_px)], 1e-12f));
       if (cosine > best) best = cosine, best_left = left;
     }
     return {best, internal::BearingOf(layout_, best_left, view_width_px_)};
@@ -171,7 +172,7 @@ cv::Mat LearnBinaryWords(const cv::Mat& descriptors, int words, uint64_t seed) {
         ones[size_t(word * bits + bit)] += descriptors.at<uchar>(k, bit / 8) >> (bit % 8) & 1;
     }
     for (int word = 0; word < words; ++word) {
-      if (members[size_t(word)] == 0) continue;  // keeps its place
+      if (members[size_t(word)] == 0) continue;  // its centre stays
       for (int byte = 0; byte < bytes; ++byte) {
         int value = 0;
         for (int bit = 0; bit < 8; ++bit)

@@ -1,9 +1,10 @@
-/// A place by a bag of words: ORB features (OpenCV's), each taken for the nearest word of a vocabulary learned before.
+/// A place as a bag of words: ORB features (OpenCV's), each quantised to the nearest word of a vocabulary that was
+/// learned before.
 ///
 /// Words are learned by k-majority: k-means in the Hamming metric, where a centre's bits are its members' majority. A
-/// window as wide as a view is the vector of its words' numbers times their idf = log(pieces / pieces with the word),
-/// with pieces those of the training images; similarity is the cosine of the angle between the view's vector and that
-/// of the best window, of which there is one every 16 px. A place keeps the word and the column of each feature.
+/// window as wide as a view is described by its word counts times their inverse document frequency, the documents being
+/// sections of the training images; similarity is the cosine between the view's vector and that of the best window, of
+/// which there is one every 16 px. A place keeps the word and the column of each feature.
 
 #pragma once
 

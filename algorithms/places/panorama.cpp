@@ -4,19 +4,19 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <string>
+
+#include "algorithms/core/units.h"
 
 namespace gaitcam {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kSteep = 0.9;        // sine of the steepest pitch that still sees all around
-constexpr double kMostTan = 3;        // no row lies further up or down
-constexpr double kLeastContrast = 3;  // grey levels; flatter overlaps cannot tell a seam's error
-constexpr double kLeastCorrelation = 0.6;
-constexpr double kTemplateRad = 6 * kPi / 180;  // half the width of what is looked for in the other frame
+constexpr double kMaxPitchSine = 0.9;  // of a camera that can make a panorama
+constexpr double kMaxTan = 3;          // of a row's elevation
+constexpr double kMinContrast = 3;     // grey levels, standard deviation; flatter overlaps do not tell a seam's error
+constexpr double kMinCorrelation = 0.6;
+constexpr double kTemplateRad = 6 * kPi / 180;  // half the width of the template
 constexpr uchar kSaturated = 250;
 
 double Rad(double deg) { return deg * kPi / 180; }
@@ -31,7 +31,7 @@ bool Sees(const CameraModel& camera, const Eigen::Vector3d& ray) {
          pixel->y() <= camera.height_px - 1;
 }
 
-/// Tangents of elevation seen at an azimuth, next to the optical axis's own.
+/// Tangents of elevation seen at an azimuth: the interval about that of the optical axis.
 struct Span {
   double low = 0, high = 0;
 };
@@ -40,8 +40,8 @@ Span SeenSpan(const CameraModel& camera, const LevelAxes& axes, double azimuth) 
   const double middle = axes.up.z() / std::sqrt(1 - axes.up.z() * axes.up.z()), step = 0.002;
   Span span{middle, middle};
   if (!Sees(camera, axes.Ray(azimuth, middle))) return span;
-  while (span.low > -kMostTan && Sees(camera, axes.Ray(azimuth, span.low - step))) span.low -= step;
-  while (span.high < kMostTan && Sees(camera, axes.Ray(azimuth, span.high + step))) span.high += step;
+  while (span.low > -kMaxTan && Sees(camera, axes.Ray(azimuth, span.low - step))) span.low -= step;
+  while (span.high < kMaxTan && Sees(camera, axes.Ray(azimuth, span.high + step))) span.high += step;
   return span;
 }
 
@@ -64,7 +64,7 @@ CameraModel Shrunk(CameraModel camera, int factor_x, int factor_y) {
   return camera;
 }
 
-/// Where the highest of three neighbouring values of a parabola lies, from the middle one.
+/// Vertex of the parabola through three neighbouring values, relative to the middle one.
 double PeakOffset(double before, double peak, double after) {
   const double curvature = before - 2 * peak + after;
   return curvature < 0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0.0;
@@ -87,7 +87,7 @@ void PanoramaLayout::Check() const {
   };
   whole("width_px", width_px);
   whole("height_px", height_px);
-  if (!(tan_low < tan_high && tan_low >= -kMostTan && tan_high <= kMostTan)) {
+  if (!(tan_low < tan_high && tan_low >= -kMaxTan && tan_high <= kMaxTan)) {
     throw BadOption("panorama: rows from tangent " + std::to_string(tan_low) + " to " + std::to_string(tan_high) +
                     " of the elevation: must rise within [-3, 3]");
   }
@@ -98,9 +98,9 @@ PanoramaLayout LayoutFor(const CameraModel& camera, const Eigen::Vector3d& up_C,
   const LevelAxes axes(up_C);
   PanoramaLayout layout{width_px, height_px, -0.1, 0.1};
   layout.Check();
-  // The wider the view is cut, the fewer rows all its columns see: the widest area between wins.
+  // The wider the section, the fewer rows all of its columns see: the largest area is taken.
   double best_area = 0;
-  Span all{-kMostTan, kMostTan};
+  Span all{-kMaxTan, kMaxTan};
   const double step = 0.005;
   for (double azimuth = 0; azimuth < 0.45 * kPi; azimuth += step) {
     for (const double side : {azimuth, -azimuth}) {
@@ -123,9 +123,9 @@ PanoramaLayout LayoutFor(const CameraModel& camera, const Eigen::Vector3d& up_C,
 
 LevelAxes::LevelAxes(const Eigen::Vector3d& up_C) : up(up_C.normalized()) {
   const double sine = up.z();
-  if (!(std::abs(sine) < kSteep)) {
+  if (!(std::abs(sine) < kMaxPitchSine)) {
     throw BadInput("panorama: the camera looks up or down by " + std::to_string(std::asin(sine) * 180 / kPi) +
-                   " deg, which is too steep to see all around");
+                   " deg, which is too steep for a panorama");
   }
   forward = (Eigen::Vector3d::UnitZ() - sine * up).normalized();
   left = up.cross(forward);
@@ -249,42 +249,42 @@ double PanoramaBuilder::missing_deg() const {
 }
 
 PanoramaBuilder::Seam PanoramaBuilder::Judge(size_t i) const {
-  // Both see +-(half width - gap / 2) about the middle between them. A piece of the left frame is looked for in the
-  // right.
+  // Both see +-(half width - gap / 2) about the middle between them. A template of the left frame is searched for in
+  // the right one.
   const double px = layout_.px_per_rad(), both = projection_.half_width_rad() - 0.5 * Gap(i);
   const int search = int(std::min(Rad(options_.search_deg), 0.5 * both) * px);
   const int half = int(std::min(kTemplateRad, both - search / px) * px);
   Seam seam;
   if (search < 1 || half < 4) return seam;
   const double to_left = 0.5 * Gap(i), to_right = -0.5 * Gap(i);  // the middle, as the right and the left frame see it
-  const cv::Mat piece = projection_.Strip(frames_[i].image, to_right + (half - 0.5) / px, 2 * half);
+  const cv::Mat left_patch = projection_.Strip(frames_[i].image, to_right + (half - 0.5) / px, 2 * half);
   const cv::Mat other =
       projection_.Strip(frames_[Next(i)].image, to_left + (half + search - 0.5) / px, 2 * (half + search));
   const cv::Mat same = other.colRange(search, search + 2 * half);
   cv::Scalar mean, deviation;
-  const cv::Mat usable = (piece < kSaturated) & (same < kSaturated);
-  const double left_mean = cv::mean(piece, usable)[0], right_mean = cv::mean(same, usable)[0];
+  const cv::Mat usable = (left_patch < kSaturated) & (same < kSaturated);
+  const double left_mean = cv::mean(left_patch, usable)[0], right_mean = cv::mean(same, usable)[0];
   if (left_mean < 1 || right_mean < 1) return seam;
   seam.log_ratio = std::log(left_mean / right_mean);
-  cv::meanStdDev(piece, mean, deviation);
-  if (deviation[0] < kLeastContrast) return seam;
+  cv::meanStdDev(left_patch, mean, deviation);
+  if (deviation[0] < kMinContrast) return seam;
   cv::Mat scores;
-  cv::matchTemplate(other, piece, scores, cv::TM_CCOEFF_NORMED);
+  cv::matchTemplate(other, left_patch, scores, cv::TM_CCOEFF_NORMED);
   double peak = 0;
   cv::Point at;
   cv::minMaxLoc(scores, nullptr, &peak, nullptr, &at);
-  if (peak < kLeastCorrelation || at.x == 0 || at.x == scores.cols - 1) return seam;
+  if (peak < kMinCorrelation || at.x == 0 || at.x == scores.cols - 1) return seam;
   seam.known = true;
   seam.error_px = at.x - search + PeakOffset(scores.at<float>(0, at.x - 1), peak, scores.at<float>(0, at.x + 1));
   return seam;
 }
 
 std::vector<double> PanoramaBuilder::Gains(const std::vector<Seam>& seams) const {
-  // log gain_i + log brightness_i = log gain_{i+1} + log brightness_{i+1} at each seam, in the least squares' sense, as
-  // the ratios need not close round the circle; and gains near 1.
+  // log gain_i + log brightness_i = log gain_{i+1} + log brightness_{i+1} at each seam, by least squares, as the ratios
+  // around the circle need not multiply to 1; regularised towards gains of 1.
   const auto n = Eigen::Index(frames_.size());
-  const double near_one = 1e-3;
-  Eigen::MatrixXd A = near_one * Eigen::MatrixXd::Identity(n, n);
+  const double regularisation = 1e-3;
+  Eigen::MatrixXd A = regularisation * Eigen::MatrixXd::Identity(n, n);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::Index next = (i + 1) % n;
@@ -303,7 +303,7 @@ std::vector<double> PanoramaBuilder::Gains(const std::vector<Seam>& seams) const
 }
 
 void PanoramaBuilder::Draw(size_t i, double gain, cv::Mat& sum, cv::Mat& weights) const {
-  // Its strip reaches over the middle between it and each neighbour by half of the blended width.
+  // Its strip extends beyond the middle between it and each neighbour by half of the blended width.
   const size_t n = frames_.size(), before = (i + n - 1) % n;
   const auto blend = [&](double gap) {
     return std::min({gap, Rad(options_.blend_deg), 2 * projection_.half_width_rad() - gap});

@@ -1,10 +1,13 @@
-/// Seeing all around from where the robot stands: frames of a camera that pans, laid onto a cylinder (thesis, 4.3).
+/// Panoramas of 360 degrees: the frames of a pan scan projected onto a cylinder and stitched.
 ///
-/// The cylinder stands upright about the camera's centre. With azimuth a, left positive, and elevation e, its columns
-/// are equally spaced in a and its rows in tan e, as those of a perspective image are in its middle column; verticals
-/// stay verticals. Column 0 lies to the left of straight back, columns grow to the right, and the middle of the image,
-/// between columns width / 2 - 1 and width / 2, is straight ahead as the scan began. A single view is laid onto the
-/// same cylinder, so that it is found again in the panorama without being scaled.
+/// Source: Alberto Pretto, Visual-SLAM for Humanoid Robots, PhD thesis, University of Padua, chapter 4 ("Image
+/// Similarity for Image-Based Topological SLAM"), section 4.3. It is meant wherever this folder says "thesis".
+///
+/// The cylinder's axis is the vertical through the camera's centre. With azimuth a, left positive, and elevation e,
+/// columns are equally spaced in a and rows in tan e, as those of a perspective image are in its middle column;
+/// vertical lines stay vertical. Column 0 lies to the left of straight back, columns grow to the right, and the middle
+/// of the image, between columns width / 2 - 1 and width / 2, is straight ahead as the scan began. A single view is
+/// projected onto the same cylinder, so that it can be found in the panorama without scaling.
 
 #pragma once
 
@@ -33,38 +36,39 @@ struct PanoramaLayout {
 };
 
 /// The rows that a view fills: the layout of `width_px` x `height_px` onto which a view of this camera projects with
-/// the largest area without holes. @param up_C the vertical in the camera's frame. @throws BadInput if the camera looks
-/// too steeply up or down to see all around.
+/// the largest area without holes. @param up_C the vertical in the camera's frame. @throws BadInput if the camera is
+/// pitched too steeply for a panorama.
 PanoramaLayout LayoutFor(const CameraModel& camera, const Eigen::Vector3d& up_C, int width_px, int height_px);
 
-/// Level axes in a camera's frame: where it looks, its left, and up.
+/// Horizontal and vertical axes in a camera's frame: forward, left, up.
 struct LevelAxes {
   Eigen::Vector3d forward, left, up;
 
-  /// @throws BadInput if the camera looks too steeply up or down for a heading.
+  /// @throws BadInput if the camera is pitched too steeply to have a heading.
   explicit LevelAxes(const Eigen::Vector3d& up_C);
   Eigen::Vector3d Ray(double azimuth_rad, double tan_elevation) const;
 };
 
-/// Lays frames of one camera onto the cylinder.
+/// Projects frames of one camera onto the cylinder.
 class CylinderProjection {
  public:
-  /// @throws BadInput if a view does not fill the layout's rows, or looks too steeply up or down.
+  /// @throws BadInput if a view does not fill the layout's rows, or the camera is pitched too steeply.
   CylinderProjection(const CameraModel& camera, const Eigen::Vector3d& up_C, const PanoramaLayout& layout);
 
-  /// A view as a piece of a panorama: CV_8UC1, layout's height, width_px() wide, no holes; its middle is where the
-  /// camera looks. @param image CV_8UC1 or CV_8UC3 of the camera's size; @throws BadInput if it is not.
+  /// A view as a section of a panorama: CV_8UC1, layout's height, width_px() wide, no holes; the optical axis is in its
+  /// middle column. @param image CV_8UC1 or CV_8UC3 of the camera's size; @throws BadInput if it is not.
   cv::Mat ProjectView(const cv::Mat& image) const;
-  /// The same of a camera that sways: `up_C` is the vertical as it is now. As wide as ever; rows that the camera has
-  /// turned away from repeat the last one that it sees.
+  /// The same for a camera that sways: `up_C` is the vertical at this instant. Rows outside the image repeat its
+  /// border.
   cv::Mat ProjectView(const cv::Mat& image, const Eigen::Vector3d& up_C) const;
   int width_px() const { return view_.x.cols; }
-  /// So far to either side of the optical axis all rows are seen, rad.
+  /// To either side of the optical axis all rows of the layout are seen up to here, rad.
   double half_width_rad() const { return half_width_rad_; }
 
-  /// The camera's image as it is projected: grey, and shrunk where it is much finer than the panorama.
+  /// The image that is projected: grey, and reduced by averaging where it is much finer than the panorama.
   cv::Mat Prepare(const cv::Mat& image) const;
-  /// Columns to the right of `azimuth_rad` against the camera's, from a prepared image. CV_8UC1.
+  /// `columns` columns to the right of `azimuth_rad`, which is relative to the optical axis, from a prepared image.
+  /// CV_8UC1.
   cv::Mat Strip(const cv::Mat& prepared, double azimuth_rad, int columns) const;
 
  private:
@@ -85,24 +89,24 @@ struct PanoramaOptions {
   using DescribedTag = void;
   double blend_deg = 2;       ///< Two neighbouring frames are blended over this width, or their distance if it is less.
   double min_step_deg = 0.5;  ///< A frame nearer than this to one before it adds nothing.
-  double search_deg = 4;      ///< Seam errors are looked for up to here.
+  double search_deg = 4;      ///< Largest seam error that is searched for.
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, PanoramaOptions& o) {
   visit("blend_deg", o.blend_deg, Between(0.01, 90.0), "width over which neighbouring frames are blended");
   visit("min_step_deg", o.min_step_deg, Between(0.0, 30.0), "a frame nearer to one before it is left out");
-  visit("search_deg", o.search_deg, Between(0.5, 20.0), "seam errors are looked for up to here");
+  visit("search_deg", o.search_deg, Between(0.5, 20.0), "largest seam error that is searched for");
 }
 
 struct Panorama {
-  cv::Mat image;                  ///< CV_8UC1
-  int frames = 0;                 ///< It is made of.
-  std::vector<double> seams_px;   ///< For each seam that could be judged: how far the right frame's picture lies to the
-                                  ///< right of where the left one's goes on.
+  cv::Mat image;                 ///< CV_8UC1
+  int frames = 0;                ///< That were stitched.
+  std::vector<double> seams_px;  ///< Of each seam with enough contrast: offset of the right frame's content against the
+                                 ///< left one's, positive to the right.
   double mean_seam_error_px = 0;  ///< Mean magnitude.
   double max_seam_error_px = 0;
-  double gain_spread = 1;  ///< Brightest frame's exposure over the darkest one's, as evened out.
+  double gain_spread = 1;  ///< Greatest over least gain of the exposure compensation.
 };
 
 /// Stitches one panorama from frames with known azimuths, one at a time.
@@ -111,11 +115,11 @@ class PanoramaBuilder {
   PanoramaBuilder(const CylinderProjection& projection, const PanoramaLayout& layout,
                   const PanoramaOptions& options = {});
 
-  /// @param yaw_rad azimuth of the optical axis against straight ahead: pan and turn of the body together.
+  /// @param yaw_rad azimuth of the optical axis against straight ahead: pan of the head plus turn of the body.
   void Add(const cv::Mat& image, double yaw_rad);
-  /// Frames that were of use.
+  /// Frames that are kept.
   int frames() const { return int(frames_.size()); }
-  /// What no frame has seen yet, of 360.
+  /// Degrees of 360 that no frame has seen yet.
   double missing_deg() const;
   /// @throws TooLittleData saying how many degrees are missing.
   Panorama Finish() const;
@@ -125,7 +129,7 @@ class PanoramaBuilder {
     double yaw_rad = 0;  ///< In [-pi, pi).
     cv::Mat image;       ///< Prepared.
   };
-  /// Of one pair of neighbours, by what both see.
+  /// Two neighbouring frames compared where they overlap.
   struct Seam {
     bool known = false;
     double error_px = 0, log_ratio = 0;  ///< log of left brightness over right
@@ -140,7 +144,7 @@ class PanoramaBuilder {
   const CylinderProjection& projection_;
   PanoramaLayout layout_;
   PanoramaOptions options_;
-  std::vector<Frame> frames_;  ///< From left to right: yaw falls.
+  std::vector<Frame> frames_;  ///< From left to right: by falling yaw.
 };
 
 }  // namespace gaitcam

@@ -10,14 +10,14 @@
 namespace gaitcam {
 namespace {
 
-struct Fit {
+struct SectorFit {
   double disagreement = std::numeric_limits<double>::infinity();  ///< Mean of the sectors.
   double turn_px = 0;                                             ///< Likewise.
 };
 
-Fit FitAbout(const WaveletMap& map, const PanoramaSectors& sectors, size_t place, const WaveletWindow& turn) {
+SectorFit FitAbout(const WaveletMap& map, const PanoramaSectors& sectors, size_t place, const WaveletWindow& turn) {
   const double width_px = sectors.panorama_width_px, count = double(sectors.views.size());
-  Fit fit{0, turn.left_px};
+  SectorFit fit{0, turn.left_px};
   for (size_t k = 0; k < sectors.views.size(); ++k) {
     const double left_px = double(k) * width_px / count + turn.left_px;
     const WaveletMatch match = map.Query(sectors.views[k], place, WaveletWindow{left_px, turn.tolerance_px});
@@ -34,14 +34,14 @@ PanoramaSectors SectorsOf(const WaveletEncoder& encoder, const cv::Mat& panorama
     throw BadInput("a panorama of " + std::to_string(panorama.cols) + " px is narrower than its sectors of " +
                    std::to_string(sector_width_px) + " px");
   }
-  cv::Mat round;
-  cv::hconcat(panorama, panorama.colRange(0, sector_width_px), round);
+  cv::Mat unrolled;
+  cv::hconcat(panorama, panorama.colRange(0, sector_width_px), unrolled);
   PanoramaSectors sectors;
   sectors.panorama_width_px = panorama.cols;
   const int count = panorama.cols / sector_width_px;
   for (int k = 0; k < count; ++k) {
     const int left = k * panorama.cols / count;
-    sectors.views.push_back(encoder.OfView(round.colRange(left, left + sector_width_px)));
+    sectors.views.push_back(encoder.OfView(unrolled.colRange(left, left + sector_width_px)));
   }
   return sectors;
 }
@@ -50,12 +50,12 @@ PanoramaMatch MatchPanorama(const WaveletMap& map, size_t place, const PanoramaS
                             std::optional<WaveletWindow> turns) {
   GAITCAM_ASSERT(!sectors.views.empty() && slack_deg >= 0);
   const double width_px = sectors.panorama_width_px, slack_px = slack_deg / 360 * width_px;
-  const double step_px = std::max(1.0, 0.5 * slack_px);  // turns are looked at so finely that windows overlap
-  const WaveletWindow looked_at = turns.value_or(WaveletWindow{0, 0.5 * width_px});
-  const int reach = int(looked_at.tolerance_px / step_px);
-  Fit best;
+  const double step_px = std::max(1.0, 0.5 * slack_px);  // so that the sectors' windows overlap
+  const WaveletWindow searched = turns.value_or(WaveletWindow{0, 0.5 * width_px});
+  const int reach = int(searched.tolerance_px / step_px);
+  SectorFit best;
   for (int k = -reach; k <= reach; ++k) {
-    const Fit fit = FitAbout(map, sectors, place, {looked_at.left_px + k * step_px, slack_px});
+    const SectorFit fit = FitAbout(map, sectors, place, {searched.left_px + k * step_px, slack_px});
     if (fit.disagreement < best.disagreement) best = fit;
   }
   const WaveletSignature& first = sectors.views.front().shifts.front();

@@ -82,12 +82,7 @@ std::unique_ptr<PlaceIndex> MakePlaceIndex(const std::string& name, const PlaceI
   const std::map<std::string, Maker> methods = AllMethods();
   const auto method = methods.find(name);
   if (method == methods.end()) {
-    throw BadInput("places: there is no method " + name + "; " + [&] {
-      const std::string near = NearestWord(name, PlaceIndexNames());
-      std::string all;
-      for (const std::string& known : PlaceIndexNames()) all += (all.empty() ? "" : ", ") + known;
-      return near.empty() ? "known: " + all : "did you mean " + near + "?";
-    }());
+    throw BadInput("places: there is no method " + name + "; " + DidYouMean(name, PlaceIndexNames()));
   }
   setup.layout.Check();
   if (setup.view_width_px < 1 || setup.view_width_px > setup.layout.width_px) {

@@ -1,4 +1,4 @@
-/// Which known place does this view show? One interface for the wavelet signature and what it is compared with.
+/// Which known place does a view show? One interface for the wavelet signature and the methods it is compared with.
 
 #pragma once
 
@@ -10,41 +10,43 @@
 #include <vector>
 
 #include "algorithms/places/panorama.h"
+#include "algorithms/places/wavelet_map.h"
 #include "algorithms/places/wavelet_signature.h"
 
 namespace gaitcam {
 
 /// How well a view fits one known place.
 struct PlaceMatch {
-  double similarity = 0;   ///< The greater the better, >= 0; its scale is the method's own.
+  double similarity = 0;   ///< Greater is better, >= 0; its scale is the method's own.
   double bearing_rad = 0;  ///< Of the view's middle in the panorama: 0 is the panorama's middle, left is positive.
 };
 
-/// Known places, each by a panorama, of which only what a method needs is kept.
+/// Known places, each represented by what a method keeps of its panorama.
 class PlaceIndex {
  public:
   virtual ~PlaceIndex() = default;
   /// @param panorama CV_8UC1 of the index's layout. @throws BadInput if it is not.
   virtual void Add(const cv::Mat& panorama) = 0;
-  /// @param view CV_8UC1, a piece of the layout's cylinder (CylinderProjection::ProjectView) of the index's view width.
+  /// @param view CV_8UC1, a section of the layout's cylinder (CylinderProjection::ProjectView) of the index's view
+  /// width.
   /// @returns one match for each place in the order of Add(). @throws BadInput if there is none, or for another size.
   virtual std::vector<PlaceMatch> Query(const cv::Mat& view) const = 0;
   virtual size_t size() const = 0;
-  /// What a place takes to store, on average.
+  /// Memory of one place, on average.
   virtual double bytes_per_place() const = 0;
 };
 
 struct PlaceIndexSetup {
   PanoramaLayout layout;
   int view_width_px = 0;          ///< CylinderProjection::width_px().
-  std::vector<cv::Mat> training;  ///< CV_8UC1, for methods that learn before they start: orb_words.
-  uint64_t seed = 1;              ///< Of what they draw.
+  std::vector<cv::Mat> training;  ///< CV_8UC1, for methods that are trained: orb_words.
+  uint64_t seed = 1;              ///< Of their random numbers.
   WaveletOptions wavelet;
 };
 
 /// "wavelet": the thesis's. "fourier": spectra of all windows of a view's width; "fourier_whole": one spectrum of the
-/// whole panorama, as [64] has it. "thumbnail": the image itself, much smaller. "orb_words": a bag of words of ORB
-/// features in windows of a view's width.
+/// whole panorama (the thesis's reference [64]). "thumbnail": the image itself, reduced. "orb_words": a bag of words of
+/// ORB features in windows of a view's width.
 std::vector<std::string> PlaceIndexNames();
 
 /// @throws BadInput naming the unknown method and the nearest known one, a panorama narrower than the view, or images

@@ -33,14 +33,14 @@ class ThumbnailIndex : public PlaceIndex {
   std::vector<PlaceMatch> Query(const cv::Mat& view) const override {
     internal::CheckPlaceImage(view, view_width_px_, layout_.height_px, "view");
     if (places_.empty()) throw BadInput("places: the index is empty, there is nothing to compare a view with");
-    // Only the cells that fit count: the rest of the view at its right is left out.
+    // Whole cells only: the rest at the view's right is left out.
     const cv::Mat small = Shrunk(view.colRange(0, view_columns_ * kCell_px), view_columns_);
     const double cell_px = double(layout_.width_px) / columns_;
     std::vector<PlaceMatch> matches;
     for (const cv::Mat& place : places_) {
-      cv::Mat round, scores;
-      cv::hconcat(place, place.colRange(0, view_columns_ - 1), round);
-      cv::matchTemplate(round, small, scores, cv::TM_CCOEFF_NORMED);
+      cv::Mat unrolled, scores;
+      cv::hconcat(place, place.colRange(0, view_columns_ - 1), unrolled);
+      cv::matchTemplate(unrolled, small, scores, cv::TM_CCOEFF_NORMED);
       double best = 0;
       cv::Point at;
       cv::minMaxLoc(scores, nullptr, &best, nullptr, &at);

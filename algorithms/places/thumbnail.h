@@ -1,6 +1,6 @@
-/// A place by its panorama as it is, much smaller: one byte per cell of 8 x 8 px. The plain comparison that every
-/// signature must beat: a view, shrunk likewise, slides over the panorama cell by cell; similarity is (1 + r) / 2 of
-/// the best normalised correlation r.
+/// A place as its panorama at low resolution: one byte per cell of 8 x 8 px. The baseline that every signature must
+/// beat: a view, reduced likewise, slides over the panorama cell by cell; similarity is (1 + r) / 2 of the best
+/// normalised correlation r.
 
 #pragma once
 

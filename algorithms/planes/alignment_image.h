@@ -1,9 +1,9 @@
-/// The picture that direct alignment compares: light, a little smoothed.
+/// The image that direct alignment compares: linear light, smoothed.
 ///
-/// An exposure adds up light, and the camera's response comes after it: a blurred picture is a mean of sharp ones in
-/// light alone. At an edge between black and white, taking display values for light misplaces the blurred edge by a
-/// good part of its width. Smoothing by one pixel makes the picture smooth enough for what alignment does to it,
-/// interpolation between four pixels and differences for gradients, and takes off most of the noise.
+/// An exposure integrates light, and the camera's response follows it: a blurred image is the mean of sharp ones in
+/// linear light only. At an edge between black and white, averaging display values instead displaces the blurred edge
+/// by a good part of its width. Smoothing by 1 px makes bilinear interpolation and central differences accurate enough,
+/// and reduces the noise.
 
 #pragma once
 

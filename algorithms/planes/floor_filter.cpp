@@ -6,31 +6,29 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/median.h"
+#include "algorithms/core/units.h"
 #include "algorithms/estimation/resampling.h"
 #include "algorithms/planes/floor_search.h"
 
 namespace gaitcam {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
-/// What a match about an expected pose says of the motion from the nearest picture that it was found in.
+/// The motion from the nearest keyframe of a match to the matched pose.
 FloorLoop LoopOf(int keyframe, const KnownFloor& nearest, const PlanarPose& expected, const FloorMatch& match) {
   const PlanarPose matched = expected * PlanarPose{match.moved.head<2>(), match.moved[2]};
   return {keyframe, nearest.step, nearest.pose.Inverse() * matched, match.correlation, match.covariance};
 }
 
-/// What the tracker says of a motion, and what no tracker is better than.
+/// The tracker's covariance, inflated, plus a lower bound of drift.
 Eigen::Matrix3d MotionCovariance(const FloorFilterOptions& options, double moved_m, const Eigen::Matrix3d& tracked) {
-  const double least_m = options.drift_ratio * moved_m + 1e-5;
-  const double least_rad = options.drift_deg_per_m * kDegree * moved_m + 1e-5;
+  const double min_m = options.drift_ratio * moved_m + 1e-5;
+  const double min_rad = options.drift_deg_per_m * kRadPerDeg * moved_m + 1e-5;
   Eigen::Matrix3d Q = std::pow(options.inflation, 2) * tracked;
-  Q.diagonal() += Eigen::Vector3d(least_m, least_m, least_rad).cwiseAbs2();
+  Q.diagonal() += Eigen::Vector3d(min_m, min_m, min_rad).cwiseAbs2();
   return Q;
 }
 
@@ -42,15 +40,16 @@ FloorFilter::FloorFilter(const FloorFilterOptions& options, uint64_t seed)
   particles_.assign(size_t(options.particles), {});
 }
 
-/// What was seen long enough ago, since the last joint that is open.
-FloorFilter::StepRange FloorFilter::LongAgo() const {
-  const Joint* joint = OpenJoint();
+/// Steps of the present submap that lie at least loop_m back.
+FloorFilter::StepRange FloorFilter::MappedSteps() const {
+  const Submap* submap = DetachedSubmap();
+  const std::vector<double>& length = path_length_m_;
   const auto recent =
-      std::find_if(way_m_.begin(), way_m_.end(), [&](double way_m) { return way_m_.back() - way_m < options_.loop_m; });
-  return {joint ? joint->step : 0, int(std::min(recent - way_m_.begin(), std::ptrdiff_t(patches_.size())))};
+      std::find_if(length.begin(), length.end(), [&](double at) { return length.back() - at < options_.loop_m; });
+  return {submap ? submap->first_step : 0, int(std::min(recent - length.begin(), std::ptrdiff_t(patches_.size())))};
 }
 
-/// The nearest of the pictures of these steps that lie about where the particle looks now.
+/// The nearest of these steps' patches to what the particle sees now.
 std::vector<KnownFloor> FloorFilter::FindKnown(const Particle& particle, const PlanarPose& expected,
                                                const FloorPatch& patch, const StepRange& steps) const {
   const Eigen::Vector2d here = expected * patch.middle;
@@ -73,37 +72,37 @@ bool FloorFilter::Agrees(const FloorMatch& match) const {
   return match.mean_rho < WorstMeanRho() && match.correlation >= options_.min_correlation;
 }
 
-/// The tracked motion's Gaussian times the likelihood's.
+/// The Gaussian of the tracked motion times that of the likelihood, fused as in a Kalman filter.
 FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const PlanarPose& expected,
                                            const Eigen::Matrix3d& Q, const FloorPatch& patch) const {
   Proposal proposal;
   proposal.pose = expected;
   proposal.covariance = Q;
   if (patch.empty()) return proposal;
-  const std::vector<KnownFloor> pictures = FindKnown(particle, expected, patch, LongAgo());
-  if (pictures.empty()) return proposal;
-  const std::optional<FloorMatch> match = MatchFloor(pictures, patch, expected, options_.match);
+  const std::vector<KnownFloor> known = FindKnown(particle, expected, patch, MappedSteps());
+  if (known.empty()) return proposal;
+  const std::optional<FloorMatch> match = MatchFloor(known, patch, expected, options_.match);
   if (!match) return proposal;
   proposal.points = match->points;
   proposal.log_likelihood = -0.5 * WorstMeanRho();
   if (!Agrees(*match)) return proposal;
   proposal.log_likelihood = -0.5 * match->mean_rho;
   const Eigen::Matrix3d both = Q + match->covariance;
-  const Eigen::Matrix3d gain = Q * both.inverse();  // as Kalman's
+  const Eigen::Matrix3d gain = Q * both.inverse();
   const Eigen::Vector3d moved = gain * match->moved;
   proposal.pose = expected * PlanarPose{moved.head<2>(), moved[2]};
   const Eigen::Matrix3d rest = (Eigen::Matrix3d::Identity() - gain) * Q;
   proposal.covariance = 0.5 * (rest + rest.transpose());
   proposal.log_prior = -0.5 * match->moved.dot(both.inverse() * match->moved) +
                        0.5 * std::log(match->covariance.determinant() / both.determinant());
-  proposal.loop = LoopOf(int(particle.path.size()), pictures.front(), expected, *match);
+  proposal.loop = LoopOf(int(particle.path.size()), known.front(), expected, *match);
   return proposal;
 }
 
-/// Particles may know more or less of what is seen: their likelihoods per point are compared as if all knew as much as
-/// the middle one. One that knows too little is taken for no better than the worst.
+/// Particles match different numbers of points: likelihoods per point are compared as if all had matched the median
+/// number. A particle that matched too few gets the smallest weight of the others.
 void FloorFilter::Reweigh(const std::vector<Proposal>& proposals) {
-  if (corrected_ == 0) return;  // where nobody recognises the floor, nobody is wrong
+  if (corrected_ == 0) return;  // without a loop closure there is nothing to weigh
   std::vector<int> points;
   for (const Proposal& proposal : proposals) {
     if (proposal.points > 0) points.push_back(proposal.points);
@@ -130,11 +129,11 @@ void FloorFilter::Move(Particle& particle, const Proposal& proposal) {
 
 void FloorFilter::Step(const PlanarPose& motion, const Eigen::Matrix3d& covariance, FloorPatch patch) {
   const double moved_m = motion.position.norm();
-  way_m_.push_back((way_m_.empty() ? 0 : way_m_.back()) + moved_m);
+  path_length_m_.push_back((path_length_m_.empty() ? 0 : path_length_m_.back()) + moved_m);
   const Eigen::Matrix3d Q = MotionCovariance(options_, moved_m, covariance);
   const int step = int(patches_.size());
   const bool guessed = std::sqrt(Q.topLeftCorner<2, 2>().diagonal().maxCoeff()) > options_.joint_m;
-  if (guessed) joints_.push_back({step, Q});
+  if (guessed) submaps_.push_back({step, Q});
   const Eigen::Matrix3d drawn = guessed ? Eigen::Matrix3d(1e-12 * Eigen::Matrix3d::Identity()) : Q;
   std::vector<Proposal> proposals;
   corrected_ = 0;
@@ -151,18 +150,18 @@ void FloorFilter::Step(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   Search();
 }
 
-const FloorFilter::Joint* FloorFilter::OpenJoint() const {
-  const auto open = std::find_if(joints_.rbegin(), joints_.rend(), [](const Joint& joint) { return joint.open; });
-  return open == joints_.rend() ? nullptr : &*open;
+const FloorFilter::Submap* FloorFilter::DetachedSubmap() const {
+  const auto last = std::find_if(submaps_.rbegin(), submaps_.rend(), [](const Submap& s) { return s.detached; });
+  return last == submaps_.rend() ? nullptr : &*last;
 }
 
-int FloorFilter::open_joints() const {
-  return int(std::count_if(joints_.begin(), joints_.end(), [](const Joint& joint) { return joint.open; }));
+int FloorFilter::detached_submaps() const {
+  return int(std::count_if(submaps_.begin(), submaps_.end(), [](const Submap& s) { return s.detached; }));
 }
 
-/// Places in the map of steps before `map_end` where a keyframe since `begin` agrees with what was seen there, best
-/// first.
-std::vector<FloorLoop> FloorFilter::VerifiedFinds(int begin, int map_end) const {
+/// Loop closures between the steps from `begin` on and the map of the steps before `map_end`, the best of each pose
+/// found by searching for the former in the latter; best first.
+std::vector<FloorLoop> FloorFilter::VerifiedLoops(int begin, int map_end) const {
   constexpr int kFinds = 6, kKeyframes = 8;
   const Particle& best = Best();
   const auto draw = [&](int first, int end) {
@@ -179,7 +178,7 @@ std::vector<FloorLoop> FloorFilter::VerifiedFinds(int begin, int map_end) const 
        SearchFloor(draw(0, map_end), draw(begin, steps), range, options_.search_cells, kFinds)) {
     std::optional<FloorLoop> loop;
     for (int k = steps - 1; k >= std::max(begin, steps - kKeyframes); --k) {
-      const std::optional<FloorLoop> here = Verify(find.X_MP * best.path[size_t(k)], k, map_end);
+      const std::optional<FloorLoop> here = Verify(find.X_MS * best.path[size_t(k)], k, map_end);
       if (here && (!loop || here->correlation > loop->correlation)) loop = here;
     }
     if (loop) verified.push_back(*loop);
@@ -189,64 +188,65 @@ std::vector<FloorLoop> FloorFilter::VerifiedFinds(int begin, int map_end) const 
   return verified;
 }
 
-/// Whether a keyframe agrees with the map of steps before `map_end` where it is expected; if so, how it lies there.
+/// The loop closure of a keyframe with the map of the steps before `map_end`, if their images agree about `expected`.
 std::optional<FloorLoop> FloorFilter::Verify(const PlanarPose& expected, int keyframe, int map_end) const {
   const FloorPatch& patch = patches_[size_t(keyframe)];
   if (patch.empty()) return std::nullopt;
-  const std::vector<KnownFloor> pictures = FindKnown(Best(), expected, patch, {0, map_end});
-  if (pictures.empty()) return std::nullopt;
-  const std::optional<FloorMatch> match = MatchFloor(pictures, patch, expected, options_.match);
+  const std::vector<KnownFloor> known = FindKnown(Best(), expected, patch, {0, map_end});
+  if (known.empty()) return std::nullopt;
+  const std::optional<FloorMatch> match = MatchFloor(known, patch, expected, options_.match);
   if (!match || match->points < 2 * options_.match.min_points || !Agrees(*match)) return std::nullopt;
-  return LoopOf(keyframe, pictures.front(), expected, *match);
+  return LoopOf(keyframe, known.front(), expected, *match);
 }
 
-/// Looks for the last piece in the map. Without an open joint, the way itself may have drifted farther than a
-/// particle's own search reaches: then the last keyframes are looked for.
+/// Searches for the detached submap in the map. Without one, drift may exceed the reach of the particles' own matching:
+/// then for the last keyframes.
 void FloorFilter::Search() {
   constexpr int kKeyframes = 6;
-  const Joint* joint = OpenJoint();
+  const Submap* submap = DetachedSubmap();
   const int steps = int(patches_.size());
   if (patches_.back().empty()) return;
-  if (joint) {
-    if (const std::optional<FloorLoop> loop = ClearFind(joint->step, joint->step)) AttachPiece(joint->step, *loop);
+  if (submap) {
+    const int first = submap->first_step;
+    if (const std::optional<FloorLoop> loop = UnambiguousLoop(first, first)) MoveOnto(first, *loop);
     return;
   }
-  const StepRange known = LongAgo();
+  const StepRange known = MappedSteps();
   const double sigma_m = std::sqrt(Covariance().topLeftCorner<2, 2>().trace());
   if (sigma_m < options_.search_sigma_m || 2 * corrected_ > int(particles_.size()) ||
       FindKnown(Best(), Best().path.back(), patches_.back(), known).empty()) {
     return;
   }
-  const std::optional<FloorLoop> loop = ClearFind(std::max(known.end, steps - kKeyframes), known.end);
-  if (loop) AttachPiece(steps - 1, *loop);
+  const std::optional<FloorLoop> loop = UnambiguousLoop(std::max(known.end, steps - kKeyframes), known.end);
+  if (loop) MoveOnto(steps - 1, *loop);
 }
 
-/// The best of the finds; two places that agree alike leave the question open.
-std::optional<FloorLoop> FloorFilter::ClearFind(int begin, int map_end) const {
-  constexpr double kSamePlace_m = 0.1, kClearlyBetter = 0.03;
-  const std::vector<FloorLoop> finds = VerifiedFinds(begin, map_end);
-  if (finds.empty()) return std::nullopt;
+/// The best verified loop closure, unless one that moves the trajectory elsewhere is about as good.
+std::optional<FloorLoop> FloorFilter::UnambiguousLoop(int begin, int map_end) const {
+  constexpr double kSamePosition_m = 0.1, kClearlyBetter = 0.03;
+  const std::vector<FloorLoop> loops = VerifiedLoops(begin, map_end);
+  if (loops.empty()) return std::nullopt;
   const std::vector<PlanarPose>& path = Best().path;
-  const auto there = [&](const FloorLoop& loop) {  // where it puts the first pose
+  const auto there = [&](const FloorLoop& loop) {  // where it moves the first pose to
     const PlanarPose move = path[size_t(loop.earlier)] * loop.motion * path[size_t(loop.keyframe)].Inverse();
     return move * path[size_t(begin)].position;
   };
-  for (const FloorLoop& other : finds) {
-    const bool elsewhere = (there(other) - there(finds.front())).norm() > kSamePlace_m;
-    if (elsewhere && other.correlation > finds.front().correlation - kClearlyBetter) return std::nullopt;
+  for (const FloorLoop& other : loops) {
+    const bool elsewhere = (there(other) - there(loops.front())).norm() > kSamePosition_m;
+    if (elsewhere && other.correlation > loops.front().correlation - kClearlyBetter) return std::nullopt;
   }
-  return finds.front();
+  return loops.front();
 }
 
-/// Moves the way from a step on to where a loop of it says; whatever joint lies between is closed.
-void FloorFilter::AttachPiece(int begin, const FloorLoop& loop) {
+/// Moves the trajectory from step `begin` on to where a loop closure of it says. Submaps between are attached by it.
+void FloorFilter::MoveOnto(int begin, const FloorLoop& loop) {
   for (Particle& particle : particles_) {
     std::vector<PlanarPose>& path = particle.path;
     const PlanarPose move = path[size_t(loop.earlier)] * loop.motion * path[size_t(loop.keyframe)].Inverse();
     for (size_t step = size_t(begin); step < path.size(); ++step) path[step] = move * path[step];
     particle.loops.push_back(loop);
   }
-  for (Joint& joint : joints_) joint.open = joint.open && joint.step <= loop.earlier;
+  for (Submap& submap : submaps_) submap.detached = submap.detached && submap.first_step <= loop.earlier;
 }
 
 void FloorFilter::Resample() {
@@ -295,14 +295,14 @@ Eigen::Matrix3d FloorFilter::Covariance() const {
     off << pose.position - mean.position, WrapAngle(pose.heading - mean.heading);
     covariance += weights[i] * off * off.transpose();
   }
-  for (const Joint& joint : joints_) {
-    if (!joint.open) continue;
-    const PlanarPose& begin = Best().path[size_t(joint.step)];
+  for (const Submap& submap : submaps_) {
+    if (!submap.detached) continue;
+    const PlanarPose& begin = Best().path[size_t(submap.first_step)];
     const Eigen::Vector2d arm = mean.position - begin.position;
-    Eigen::Matrix3d J = Eigen::Matrix3d::Identity();  // of the last pose in W by the piece's first in its own frame
+    Eigen::Matrix3d J = Eigen::Matrix3d::Identity();  // of the last pose in W by the submap's first in its own frame
     J.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(begin.heading).toRotationMatrix();
     J.topRightCorner<2, 1>() = Eigen::Vector2d(-arm.y(), arm.x());
-    covariance += J * joint.covariance * J.transpose();
+    covariance += J * submap.covariance * J.transpose();
   }
   return covariance;
 }

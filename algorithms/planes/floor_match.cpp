@@ -5,7 +5,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "algorithms/core/units.h"
 
 namespace gaitcam {
 namespace {
@@ -13,19 +14,18 @@ namespace {
 using Vector5 = FloorAgreement::Vector5;
 using Matrix5 = FloorAgreement::Matrix5;
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kTail = 3;  // c of rho: beyond so many standard deviations a point hardly counts
+constexpr double kTail = 3;  // c of rho
 double Rho(double e) { return kTail * kTail * std::log1p(e * e / (kTail * kTail)); }
 double RhoWeight(double e) { return 1 / (1 + e * e / (kTail * kTail)); }
 
-/// An earlier picture, ready to be looked up in from the world.
+/// An earlier patch, prepared for looking up world positions.
 struct Lookup {
   const FloorPatch::Level* patch;
   PlanarPose inverse;
-  Eigen::Matrix2f R;  ///< Of its slopes into the world.
+  Eigen::Matrix2f R;  ///< Rotates its slopes into the world.
 };
 
-/// Mean of what the earlier pictures show at a place.
+/// Mean of the earlier patches at a position.
 std::optional<FloorPatch::Sample> LookUp(const std::vector<Lookup>& known, const Eigen::Vector2d& p) {
   FloorPatch::Sample sum;
   int count = 0;
@@ -84,7 +84,7 @@ std::optional<FloorMatch> MatchFloor(const std::vector<KnownFloor>& known, const
                                      const PlanarPose& expected, const FloorMatchOptions& options) {
   constexpr int kIterations = 6;
   constexpr double kGainSigma = 0.2, kOffsetSigma_grey = 20, kStep_m = 2e-4;
-  constexpr double kWindow_m = 0.05, kWindow_rad = 0.05;  // where to search, softly
+  constexpr double kWindow_m = 0.05, kWindow_rad = 0.05;  // standard deviations of the prior about the expected pose
   Vector5 window;
   window << kWindow_m, kWindow_m, kWindow_rad, kGainSigma, kOffsetSigma_grey;
   const Matrix5 prior = window.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -107,7 +107,7 @@ std::optional<FloorMatch> MatchFloor(const std::vector<KnownFloor>& known, const
   match.moved = state.head<3>();
   match.covariance = H.inverse().topLeftCorner<3, 3>();
   match.covariance.diagonal() += Eigen::Vector3d(std::pow(options.least_sigma_m, 2), std::pow(options.least_sigma_m, 2),
-                                                 std::pow(options.least_sigma_deg * kDegree, 2));
+                                                 std::pow(options.least_sigma_deg * kRadPerDeg, 2));
   match.points = comparison.points;
   match.mean_rho = comparison.mean_rho;
   match.correlation = comparison.correlation;

@@ -1,10 +1,9 @@
-/// How well a keyframe's picture of the floor agrees with earlier ones, and where it agrees best.
+/// Registration of a keyframe's floor patch with earlier ones: likelihood of a pose, and its maximum.
 ///
 /// Likelihood (instead of the thesis's Eq. 6.22, a plain sum of differences). Each of n floor points that earlier
-/// pictures know has a residual r = seen - (gain known + offset), gain and offset fitted; a residual is Gaussian noise
-/// of sensor, cell and blur with standard deviation `noise_grey`, or, at a part of the points, anything at all:
-/// log p = -1/2 sum rho(r / noise_grey), rho(e) = c^2 log(1 + e^2/c^2), c = 3. Neighbouring points err together: the
-/// sum counts for `independent` of the points.
+/// patches cover has a residual r = seen - (gain known + offset), gain and offset estimated, with Gaussian noise of
+/// sensor, cell and blur and with outliers: log p = -1/2 sum rho(r / noise_grey), rho(e) = c^2 log(1 + e^2/c^2), c = 3.
+/// Residuals of neighbouring points are correlated: the sum is weighted by `independent`.
 
 #pragma once
 
@@ -21,10 +20,10 @@ namespace gaitcam {
 struct FloorMatchOptions {
   using DescribedTag = void;
 
-  int min_points = 80;  ///< Fewer in known floor say nothing.
-  double noise_grey = 8.0;
-  double independent = 0.05;     ///< Part of the points that the likelihood counts.
-  double least_sigma_m = 0.003;  ///< Of a match: pictures are rectified only so well.
+  int min_points = 80;           ///< That earlier patches cover.
+  double noise_grey = 8.0;       ///< Standard deviation of a residual.
+  double independent = 0.05;     ///< Weight of the sum over points in the log-likelihood.
+  double least_sigma_m = 0.003;  ///< Lower bound of a match's: patches are rectified no better.
   double least_sigma_deg = 0.2;
 };
 
@@ -37,30 +36,30 @@ void VisitFields(Visitor& visit, FloorMatchOptions& o) {
   visit("least_sigma_deg", o.least_sigma_deg, Between(1e-3, 90.0), "least standard deviation of a match");
 }
 
-/// An earlier picture and where it lies.
+/// An earlier patch and its pose.
 struct KnownFloor {
   const FloorPatch* patch;
   PlanarPose pose;
-  int step = 0;  ///< Of which keyframe.
+  int step = 0;  ///< Its keyframe's index.
 };
 
-/// A picture compared with earlier ones from one place.
+/// A patch compared with earlier ones at one pose.
 struct FloorAgreement {
   using Vector5 = Eigen::Matrix<double, 5, 1>;
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
-  Matrix5 H = Matrix5::Zero();  ///< Gauss-Newton's, of (x, y, yaw in the pose's frame, gain, offset).
-  Vector5 g = Vector5::Zero();  ///< Downhill.
+  Matrix5 H = Matrix5::Zero();  ///< Gauss-Newton's Hessian by (x, y, yaw in the pose's frame, gain, offset).
+  Vector5 g = Vector5::Zero();  ///< Minus the gradient.
   double mean_rho = 0;          ///< -2 log p per point.
   double correlation = 0;
-  int points = 0;  ///< That some earlier picture knows.
+  int points = 0;  ///< That some earlier patch covers.
 };
 
-/// @param level of the pictures that are compared.
+/// @param level of the patches.
 FloorAgreement AgreementOf(const std::vector<KnownFloor>& known, const FloorPatch& patch, int level,
                            const PlanarPose& pose, double gain, double offset, double noise_grey);
 
-/// Where the pictures agree best.
+/// The pose of maximum likelihood.
 struct FloorMatch {
   Eigen::Vector3d moved;       ///< x, y (m), yaw (rad) from the expected pose, in its frame ...
   Eigen::Matrix3d covariance;  ///< ... as are these.
@@ -68,11 +67,11 @@ struct FloorMatch {
   double mean_rho = 0, correlation = 0;
 };
 
-/// A worse mean over the points is no match: as if all were off by 1.5 standard deviations.
+/// Upper bound of a match's mean_rho: that of residuals of 1.5 standard deviations.
 double WorstMeanRho();
 
-/// Gauss-Newton from the expected pose, coarse pictures first; it draws from about 3 cm. Nothing if too few points are
-/// known.
+/// Gauss-Newton from the expected pose, coarse to fine; converges from about 3 cm. Nothing if earlier patches cover too
+/// few points.
 std::optional<FloorMatch> MatchFloor(const std::vector<KnownFloor>& known, const FloorPatch& patch,
                                      const PlanarPose& expected, const FloorMatchOptions& options);
 

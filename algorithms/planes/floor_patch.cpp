@@ -36,8 +36,8 @@ Rectangle VisibleFloor(const CameraModel& camera, const Pose& X_PC, double radiu
 }
 
 /// The cells of largest gradient, the best one of each block first.
-std::vector<FloorPatch::Point> ChooseMatchPoints(const FloorPatch::Level& patch, int block, size_t most) {
-  constexpr float kLeastGradient_grey = 3;  // per cell
+std::vector<FloorPatch::Point> ChooseMatchPoints(const FloorPatch::Level& patch, int block, size_t max_points) {
+  constexpr float kMinGradient_grey = 3;  // per cell
   struct Candidate {
     float strength;
     FloorPatch::Point point;
@@ -45,7 +45,7 @@ std::vector<FloorPatch::Point> ChooseMatchPoints(const FloorPatch::Level& patch,
   std::vector<Candidate> candidates;
   for (int top = 1; top + 1 < patch.intensity.rows; top += block) {
     for (int left = 1; left + 1 < patch.intensity.cols; left += block) {
-      Candidate best{kLeastGradient_grey * kLeastGradient_grey, {}};
+      Candidate best{kMinGradient_grey * kMinGradient_grey, {}};
       for (int j = top; j < std::min(top + block, patch.intensity.rows - 1); ++j) {
         for (int i = left; i < std::min(left + block, patch.intensity.cols - 1); ++i) {
           const uchar* at = patch.intensity.ptr<uchar>(j) + i;
@@ -63,7 +63,7 @@ std::vector<FloorPatch::Point> ChooseMatchPoints(const FloorPatch::Level& patch,
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.strength > b.strength; });
   std::vector<FloorPatch::Point> points;
-  for (size_t i = 0; i < std::min(most, candidates.size()); ++i) points.push_back(candidates[i].point);
+  for (size_t i = 0; i < std::min(max_points, candidates.size()); ++i) points.push_back(candidates[i].point);
   return points;
 }
 
@@ -98,7 +98,7 @@ double FloorPatch::bytes() const {
 
 namespace {
 
-/// Four cells in one, where all were seen.
+/// Means of 2 x 2 cells, where all are visible.
 FloorPatch::Level Halved(const FloorPatch::Level& fine) {
   FloorPatch::Level coarse;
   coarse.cell_m = 2 * fine.cell_m;
@@ -138,8 +138,8 @@ FloorPatch FloorPatch::Of(const ImagePyramid& image, const cv::Mat& mask, const 
   if (range_m <= height) return patch;
   const Rectangle floor = VisibleFloor(camera, X_PC, std::sqrt(range_m * range_m - height * height));
   const int columns = int((floor.x1 - floor.x0) / cell_m) + 1, rows = int((floor.y1 - floor.y0) / cell_m) + 1;
-  constexpr int kLeastCells = 16;
-  if (columns < kLeastCells || rows < kLeastCells) return patch;
+  constexpr int kMinCells = 16;
+  if (columns < kMinCells || rows < kMinCells) return patch;
   Level finest{cv::Mat(rows, columns, CV_8UC1, cv::Scalar(0)), cell_m, floor.x0, floor.y0, {}};
   const Eigen::Vector3d along = X_CP.rotation * Eigen::Vector3d::UnitX();
   const Eigen::Vector3d across = X_CP.rotation * Eigen::Vector3d::UnitY();

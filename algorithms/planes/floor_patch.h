@@ -1,4 +1,4 @@
-/// What one keyframe shows of the floor, rectified: a small picture in the frame on the floor below the camera.
+/// The floor as one keyframe shows it, rectified to a bird's-eye image in the frame on the floor below the camera.
 
 #pragma once
 
@@ -24,33 +24,33 @@ struct FloorPatch {
     Eigen::Vector2f slope{0, 0};  ///< Grey levels per metre along x and y.
   };
 
-  /// The picture and ever coarser ones, for comparing from farther off.
+  /// A level of the patch's pyramid.
   struct Level {
-    cv::Mat intensity;  ///< CV_8UC1, column i at x = x0 + i cell, row j at y = y0 + j cell; 0: not seen.
+    cv::Mat intensity;  ///< CV_8UC1, column i at x = x0 + i cell, row j at y = y0 + j cell; 0: not visible.
     double cell_m = 0, x0 = 0, y0 = 0;
-    std::vector<Point> match;  ///< Of large gradient, well spread.
+    std::vector<Point> match;  ///< Cells of large gradient, well spread.
 
-    /// Bilinear; nothing unless all four neighbours were seen.
+    /// Bilinear; nothing unless all four neighbours are visible.
     std::optional<Sample> At(const Eigen::Vector2d& p) const;
   };
   static constexpr int kLevels = 3;  ///< Cells of each level are twice as wide as those of the one before.
 
-  std::vector<Level> levels;     ///< None if nothing was seen.
-  Eigen::Vector2d middle{0, 0};  ///< Of what is seen.
+  std::vector<Level> levels;     ///< None if no floor is visible.
+  Eigen::Vector2d middle{0, 0};  ///< Centroid of the visible cells.
 
   bool empty() const { return levels.empty(); }
   double width_m() const;  ///< Of the larger side.
   double bytes() const;
 
-  /// Pixels are averaged to cells (by the pyramid), so that near floor is not undersampled.
-  /// @param mask CV_8UC1, not zero where the floor is. @param X_WC of it, height and tilt count. @param range_m floor
+  /// Pixels are averaged to cells (by the pyramid), so that near floor is not aliased.
+  /// @param mask CV_8UC1, not zero where the floor is. @param X_WC only height and tilt matter. @param range_m floor
   /// farther from the camera is left out. @param match_points of level 0, at most.
   static FloorPatch Of(const ImagePyramid& image, const cv::Mat& mask, const CameraModel& camera, const Pose& X_WC,
                        double cell_m, double range_m, int match_points);
 };
 
-/// The bird's-eye picture of a floor (thesis 6.5.2: map and mask): the mean of what all patches show of each cell.
-/// @param poses of the frames below the camera, one per patch. @return empty if there is nothing to see.
+/// The map of a floor (thesis 6.5.2: map and mask): the mean over all patches of each cell.
+/// @param poses of the frames below the camera, one per patch. @return empty if all patches are.
 FloorPicture DrawFloor(const std::vector<FloorPatch>& patches, const std::vector<PlanarPose>& poses, double cell_m);
 
 }  // namespace gaitcam

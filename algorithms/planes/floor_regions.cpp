@@ -3,12 +3,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "algorithms/core/units.h"
 
 namespace gaitcam {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 bool Holds(const PutativePlane& plane, const Eigen::Vector2d& p) {
   const int u = int(p.x() + 0.5) - plane.at.x, v = int(p.y() + 0.5) - plane.at.y;
@@ -46,7 +45,7 @@ std::vector<FloorRegion> JudgeRegions(const PlaneAligner& aligner, const CameraM
                                       const PlaneReference& reference, const std::vector<PutativePlane>& planes,
                                       const ImagePyramid& current, const PlaneState& floor, const CurrentBlur& blur,
                                       const FloorRegionOptions& options) {
-  PlanePrior prior;  // the motion is known from all regions; the plane is asked for
+  PlanePrior prior;  // the motion is known from all regions, the region's own plane is not
   prior.distance_sigma = 0.5;
   prior.tilt_sigma_rad = 0.6;
   prior.translation_sigma_m = 0.01 / floor.normal_d.norm();
@@ -63,9 +62,10 @@ std::vector<FloorRegion> JudgeRegions(const PlaneAligner& aligner, const CameraM
       const Eigen::Matrix3d spread = across * own.normal_covariance * across / own.state.normal_d.squaredNorm();
       region.judged = own.inside_ratio >= aligner.options().min_inside_ratio;
       region.shift_px = MeanShift_px(camera, part.points.front(), own.state, floor);
-      region.tilt_deg = kDegrees * std::acos(std::clamp(n.dot(up), -1.0, 1.0));
+      region.tilt_deg = kDegPerRad * std::acos(std::clamp(n.dot(up), -1.0, 1.0));
       region.tilt_sigma_deg =
-          kDegrees * std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues()[2]));
+          kDegPerRad *
+          std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues()[2]));
       region.correlation = own.correlation;
       const bool leans = region.tilt_deg > options.max_tilt_deg + 3 * region.tilt_sigma_deg;
       region.is_floor = !region.judged || (region.shift_px <= options.max_shift_px && !leans &&

@@ -1,5 +1,5 @@
-/// Which parts of an image lie on the floor (thesis 6.4.2): each putative plane is aligned on its own, once the camera
-/// has moved enough for what stands on the floor to shift against it.
+/// Which image regions lie on the floor (thesis 6.4.2): each putative plane is aligned on its own, once the camera has
+/// moved enough for parallax against the floor to show.
 
 #pragma once
 
@@ -14,10 +14,10 @@ namespace gaitcam {
 struct FloorRegionOptions {
   using DescribedTag = void;
   PutativePlaneOptions putative;
-  double max_shift_px = 1.5;     ///< A region whose own plane moves its pixels otherwise than the floor by more ...
-  double max_tilt_deg = 25;      ///< ... or leans more, where it can be told, is no floor;
-  double min_correlation = 0.5;  ///< ... nor is one that no plane explains.
-  int min_points = 40;           ///< A region with fewer pixels of texture is not judged: it goes with the floor.
+  double max_shift_px = 1.5;     ///< Between a floor region's motion under its own plane and under the floor's.
+  double max_tilt_deg = 25;      ///< Between its normal and the floor's, beyond 3 standard deviations.
+  double min_correlation = 0.5;  ///< Of the two images under its own plane.
+  int min_points = 40;           ///< Textured pixels; with fewer, a region is not judged and counts as floor.
 };
 
 template <class Visitor>
@@ -33,13 +33,13 @@ struct FloorRegion {
   PutativePlane plane;
   bool judged = false;
   bool is_floor = true;
-  double shift_px = 0;         ///< Between its own plane's and the floor's motion, mean over its pixels.
-  double tilt_deg = 0;         ///< Of its normal against the floor's ...
-  double tilt_sigma_deg = 90;  ///< ... and how well that is known.
+  double shift_px = 0;         ///< Mean over its pixels, as max_shift_px.
+  double tilt_deg = 0;         ///< Between its normal and the floor's ...
+  double tilt_sigma_deg = 90;  ///< ... and its standard deviation.
   double correlation = 0;      ///< Of the two images under its own plane.
 };
 
-/// @param planes found in the reference image. @param floor the motion and the floor's plane by all of them together.
+/// @param planes of the reference image. @param floor the motion and the floor's plane, from all regions together.
 std::vector<FloorRegion> JudgeRegions(const PlaneAligner& aligner, const CameraModel& camera,
                                       const PlaneReference& reference, const std::vector<PutativePlane>& planes,
                                       const ImagePyramid& current, const PlaneState& floor, const CurrentBlur& blur,

@@ -9,7 +9,7 @@
 namespace gaitcam {
 namespace {
 
-/// Intensities and where they are known, as numbers that can be transformed.
+/// Zero-mean intensities and the mask of known cells.
 struct Masked {
   cv::Mat value, known;  ///< CV_32FC1; 0 and 1.
 };
@@ -23,7 +23,7 @@ Masked MaskedOf(const FloorPicture& picture) {
   return masked;
 }
 
-/// Spectra of x, x^2 and the mask, in a frame that no shift wraps round.
+/// Spectra of x, x^2 and the mask, padded so that no shift wraps round.
 struct Spectra {
   cv::Mat value, square, known;
 
@@ -49,37 +49,37 @@ cv::Mat Correlate(const cv::Mat& a, const cv::Mat& b) {
   return sum;
 }
 
-/// Per shift, the correlation of the cells that both know; -1 where they are too few or show nothing.
-cv::Mat CorrelationOf(const Spectra& map, const Spectra& piece, int min_cells) {
-  const cv::Mat n = cv::max(Correlate(map.known, piece.known), 1);
-  const cv::Mat a = Correlate(map.value, piece.known), b = Correlate(map.known, piece.value);
-  const cv::Mat aa = Correlate(map.square, piece.known) - a.mul(a) / n;
-  const cv::Mat bb = Correlate(map.known, piece.square) - b.mul(b) / n;
-  const cv::Mat ab = Correlate(map.value, piece.value) - a.mul(b) / n;
-  constexpr float kLeastVariance = 4;  // grey levels squared, per cell: less shows nothing
+/// Per shift, the correlation of the common cells; -1 where they are too few or have no contrast.
+cv::Mat CorrelationOf(const Spectra& map, const Spectra& submap, int min_cells) {
+  const cv::Mat n = cv::max(Correlate(map.known, submap.known), 1);
+  const cv::Mat a = Correlate(map.value, submap.known), b = Correlate(map.known, submap.value);
+  const cv::Mat aa = Correlate(map.square, submap.known) - a.mul(a) / n;
+  const cv::Mat bb = Correlate(map.known, submap.square) - b.mul(b) / n;
+  const cv::Mat ab = Correlate(map.value, submap.value) - a.mul(b) / n;
+  constexpr float kMinVariance = 4;  // grey levels squared, per cell
   cv::Mat result(n.size(), CV_32FC1);
   for (int y = 0; y < n.rows; ++y) {
     for (int x = 0; x < n.cols; ++x) {
       const float count = n.at<float>(y, x), va = aa.at<float>(y, x), vb = bb.at<float>(y, x);
-      const bool enough = count >= float(min_cells) && va > kLeastVariance * count && vb > kLeastVariance * count;
+      const bool enough = count >= float(min_cells) && va > kMinVariance * count && vb > kMinVariance * count;
       result.at<float>(y, x) = enough ? ab.at<float>(y, x) / std::sqrt(va * vb) : -1.0F;
     }
   }
   return result;
 }
 
-/// The piece, turned about its middle.
-Masked Turned(const Masked& piece, double angle_rad) {
-  const cv::Size2d size(piece.value.size());
+/// The submap, rotated about its centre.
+Masked Turned(const Masked& submap, double angle_rad) {
+  const cv::Size2d size(submap.value.size());
   const int side = int(std::ceil(std::hypot(size.width, size.height)));
-  // Rows count downwards and y upwards: a turn to the left in the world is one to the left in the picture.
+  // Rows count downwards and y upwards: a rotation to the left in the world is one to the left in the image.
   cv::Mat turn =
       cv::getRotationMatrix2D(cv::Point2d(0.5 * (size.width - 1), 0.5 * (size.height - 1)), angle_rad * 180 / CV_PI, 1);
   turn.at<double>(0, 2) += 0.5 * (side - size.width);
   turn.at<double>(1, 2) += 0.5 * (side - size.height);
   Masked turned;
-  cv::warpAffine(piece.value, turned.value, turn, {side, side}, cv::INTER_LINEAR);
-  cv::warpAffine(piece.known, turned.known, turn, {side, side}, cv::INTER_LINEAR);
+  cv::warpAffine(submap.value, turned.value, turn, {side, side}, cv::INTER_LINEAR);
+  cv::warpAffine(submap.known, turned.known, turn, {side, side}, cv::INTER_LINEAR);
   cv::threshold(turned.known, turned.known, 0.99, 1, cv::THRESH_BINARY);
   turned.value = turned.value.mul(turned.known);
   return turned;
@@ -113,32 +113,32 @@ void AddPeaks(const cv::Mat& correlation, const FloorPicture& map, int side, con
 
 }  // namespace
 
-std::vector<FloorFind> SearchFloor(const FloorPicture& map, const FloorPicture& piece, const FloorSearchRange& range,
-                                   int min_cells, int most) {
+std::vector<FloorFind> SearchFloor(const FloorPicture& map, const FloorPicture& submap, const FloorSearchRange& range,
+                                   int min_cells, int max_finds) {
   GAITCAM_ASSERT(range.step_rad > 0);
-  if (map.empty() || piece.empty()) return {};
-  GAITCAM_ASSERT(std::abs(map.cell_m - piece.cell_m) < 1e-9);
-  const Masked whole = MaskedOf(map), part = MaskedOf(piece);
+  if (map.empty() || submap.empty()) return {};
+  GAITCAM_ASSERT(std::abs(map.cell_m - submap.cell_m) < 1e-9);
+  const Masked whole = MaskedOf(map), part = MaskedOf(submap);
   const int side = int(std::ceil(std::hypot(part.value.cols, part.value.rows)));
   const cv::Size size(cv::getOptimalDFTSize(whole.value.cols + side), cv::getOptimalDFTSize(whole.value.rows + side));
   const Spectra of_map(whole, size);
-  const Eigen::Vector2d middle = MiddleOf(piece), expected = range.X_MP * middle;
+  const Eigen::Vector2d middle = MiddleOf(submap), expected = range.X_MS * middle;
   std::vector<FloorFind> all;
   const int turns = int(std::floor(range.reach_rad / range.step_rad));
   for (int turn = -turns; turn <= turns; ++turn) {
-    const double heading = range.X_MP.heading + turn * range.step_rad;
-    const Spectra of_piece(Turned(part, heading), size);
-    AddPeaks(CorrelationOf(of_map, of_piece, min_cells), map, side, range, expected, middle, heading, all);
+    const double heading = range.X_MS.heading + turn * range.step_rad;
+    const Spectra of_submap(Turned(part, heading), size);
+    AddPeaks(CorrelationOf(of_map, of_submap, min_cells), map, side, range, expected, middle, heading, all);
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const FloorFind& a, const FloorFind& b) { return a.correlation > b.correlation; });
   std::vector<FloorFind> finds;
   for (const FloorFind& find : all) {
     const bool known = std::any_of(finds.begin(), finds.end(), [&](const FloorFind& better) {
-      return (better.X_MP * middle - find.X_MP * middle).norm() < 3 * map.cell_m;
+      return (better.X_MS * middle - find.X_MS * middle).norm() < 3 * map.cell_m;
     });
     if (!known) finds.push_back(find);
-    if (int(finds.size()) == most) break;
+    if (int(finds.size()) == max_finds) break;
   }
   return finds;
 }

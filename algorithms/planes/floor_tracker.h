@@ -1,22 +1,22 @@
-/// A camera's way over a flat floor, from the pixels of the floor: each frame is aligned with a keyframe (thesis 6.4),
-/// whose plane is known from how the camera is carried and gets better with every frame.
+/// A camera's trajectory over a flat floor, from the pixels of the floor: each frame is aligned with a keyframe (thesis
+/// 6.4), whose plane is known from how the camera is carried and is refined by every frame.
 ///
-/// World W: z = 0 is the floor, z up, the origin below the first camera, x along its view. Metric, by the height at
-/// which the standing camera is said to be.
+/// World W: z = 0 is the floor, z up, the origin below the first camera, x along its view; m, by the height at which
+/// the calibration says that the camera stands.
 
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
-#include <vector>
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/core/observation.h"
-#include "algorithms/core/planar_pose.h"
+#include "algorithms/geometry/gyro_turn.h"
 #include "algorithms/geometry/up_direction.h"
-#include "algorithms/planes/floor_regions.h"
-#include "algorithms/planes/plane_alignment.h"
+#include "algorithms/planes/floor_keyframe.h"
+#include "algorithms/planes/undistortion.h"
 
 namespace gaitcam {
 
@@ -25,22 +25,22 @@ struct FloorTrackerOptions {
 
   PlaneAlignmentOptions alignment;
   FloorRegionOptions regions;
-  double range_heights = 6;            ///< Floor farther away than so many camera heights is not used.
-  double keyframe_move_heights = 0.4;  ///< A keyframe is made after a move by so many camera heights ...
-  double keyframe_turn_deg = 12;       ///< ... or a turn by so much ...
-  double keyframe_inside_ratio = 0.6;  ///< ... or when less of the last one is still in view.
-  double min_correlation = 0.8;        ///< With the keyframe; less: the frame is lost.
-  int max_lost_frames = 3;             ///< Then a new keyframe is tried.
-  double max_height_ratio = 0.2;       ///< A camera this much higher or lower than standing is lost ...
-  double max_tilt_deg = 10;            ///< ... or one that leans so from what gravity, or standing upright, says ...
-  double max_turn_deg = 0.5;           ///< ... or one that turned otherwise than the gyroscope says ...
-  double min_floor_ratio = 0.5;        ///< ... or whose view is floor to a smaller part.
-  int min_points = 150;                ///< Pixels with texture that a keyframe needs.
+  double range_heights = 6;            ///< Floor beyond this distance, in camera heights, is not used.
+  double keyframe_move_heights = 0.4;  ///< A keyframe is made after a translation by so many camera heights ...
+  double keyframe_turn_deg = 12;       ///< ... or a rotation by so much ...
+  double keyframe_inside_ratio = 0.6;  ///< ... or when a smaller part of the last one's points is in view.
+  double min_correlation = 0.8;        ///< Of a frame with the keyframe.
+  int max_lost_frames = 3;             ///< In a row, before the tracker restarts with a new keyframe.
+  double max_height_ratio = 0.2;       ///< Camera height off the standing one, relative.
+  double max_tilt_deg = 10;            ///< Between the camera's up direction and gravity's or the standing one.
+  double max_turn_deg = 0.5;           ///< Between rotation since the keyframe and the gyroscope's.
+  double min_floor_ratio = 0.5;        ///< Of a keyframe's textured area that is floor.
+  int min_points = 150;                ///< Textured pixels of a keyframe.
   double height_sigma_ratio = 0.03;    ///< Of a walking camera's height about the standing one's.
-  double height_gain = 0.3;            ///< Part of the height's difference from standing taken back per keyframe.
+  double height_gain = 0.3;            ///< Part of the height's difference from standing corrected per keyframe.
   double tilt_sigma_deg = 0.15;        ///< Of a new keyframe's plane.
-  double tilt_gain = 0.01;             ///< Part of the tilt's difference from gravity's taken back per keyframe.
-  bool use_imu = true;                 ///< Turn by the gyroscope, up by the accelerometer, where there is one.
+  double tilt_gain = 0.01;             ///< Part of the tilt's difference from gravity's corrected per keyframe.
+  bool use_imu = true;                 ///< Rotation by the gyroscope, up by the accelerometer, where there is an IMU.
 };
 
 template <class Visitor>
@@ -66,33 +66,62 @@ void VisitFields(Visitor& visit, FloorTrackerOptions& o) {
   visit("use_imu", o.use_imu, Nested(), "turn by the gyroscope, up by the accelerometer");
 }
 
-/// A keyframe that has served: what it shows of the floor is known now.
-struct FloorKeyframe {
-  int id = 0;
-  int64_t stamp_ns = 0;
-  ImagePyramid image;  ///< Undistorted, as the camera shows it.
-  cv::Mat floor;       ///< CV_8UC1: not zero where it shows floor.
-  Pose X_WK;
-  /// Of the position (m) and yaw (rad) of the frame below the camera, in itself, since the keyframe before.
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  std::vector<FloorRegion> regions;
+/// What the tracker knows of its pose.
+enum class FloorTrackerState {
+  kInitializing,         ///< No frame has had enough texture: there is no keyframe.
+  kTracking,             ///< The last frame is aligned with a keyframe that shows floor.
+  kPredicting,           ///< The keyframe shows floor, but the last frames, max_lost_frames at most, are not aligned.
+  kRestarted,            ///< The last frame became a keyframe at a guessed pose; it may show anything.
+  kTentative,            ///< The last frame is aligned with such a keyframe.
+  kTentativePredicting,  ///< As kPredicting, with such a keyframe.
 };
 
-/// What one frame says.
+/// What becomes of a frame.
+enum class FloorTrackerEvent {
+  kAligned,    ///< It is aligned with the keyframe, or is the first one.
+  kSucceeded,  ///< Besides, it is the next keyframe: the regions of the last one proved to be floor.
+  kMissed,     ///< It is not aligned; the keyframe is kept.
+  kLost,       ///< It is not aligned, one frame too many: it becomes a keyframe at a guessed pose.
+  kNotFloor,   ///< The regions of the keyframe that it is aligned with proved to be no floor: likewise.
+};
+
+/// A row per state, a column per event, in the order of the enums. kInitializing sees kAligned and kMissed only,
+/// kRestarted all but kMissed.
+inline constexpr std::array<std::array<FloorTrackerState, 5>, 6> kFloorTrackerTransitions = [] {
+  using enum FloorTrackerState;
+  return std::array<std::array<FloorTrackerState, 5>, 6>{{
+      // kAligned, kSucceeded, kMissed, kLost, kNotFloor
+      {kTracking, kInitializing, kInitializing, kInitializing, kInitializing},  // kInitializing
+      {kTracking, kTracking, kPredicting, kRestarted, kRestarted},              // kTracking
+      {kTracking, kTracking, kPredicting, kRestarted, kRestarted},              // kPredicting
+      {kTentative, kTracking, kRestarted, kRestarted, kRestarted},              // kRestarted
+      {kTentative, kTracking, kTentativePredicting, kRestarted, kRestarted},    // kTentative
+      {kTentative, kTracking, kTentativePredicting, kRestarted, kRestarted},    // kTentativePredicting
+  }};
+}();
+
+constexpr FloorTrackerState NextState(FloorTrackerState state, FloorTrackerEvent event) {
+  return kFloorTrackerTransitions[size_t(state)][size_t(event)];
+}
+
+/// The keyframe is known to show floor.
+constexpr bool ShowsFloor(FloorTrackerState state) {
+  return state == FloorTrackerState::kTracking || state == FloorTrackerState::kPredicting;
+}
+
+/// The result for one frame.
 struct FloorTrack {
-  bool tracked = false;
-  /// It was aligned, but with a keyframe made after a loss, which may have shown anything. It did show floor if it
-  /// retires later; until then the frame is not `tracked`.
-  bool tentative = false;
+  bool tracked = false;    ///< Aligned with a keyframe that shows floor.
+  bool tentative = false;  ///< Aligned with a keyframe made after a loss, not known to show floor before this frame.
   int keyframe = 0;        ///< Which it was aligned with: FloorKeyframe::id.
-  bool restarted = false;  ///< A new reference after the old one was lost: the motion in between is a guess.
-  Pose X_WC;               ///< Dead reckoning; where not tracked, a prediction.
+  bool restarted = false;  ///< The first one aligned after a loss: the motion since the frame tracked last is a guess.
+  Pose X_WC;               ///< Dead reckoning; where not aligned, a prediction.
   int points = 0;          ///< Pixels compared.
   int inliers = 0;
   /// Of the position (m) and yaw (rad) of the frame below the camera, in itself, since its keyframe.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double blur_px = 0;                    ///< Length of its motion blur in the middle of the image.
-  std::optional<FloorKeyframe> retired;  ///< The keyframe that this frame was tracked by, if this one succeeds it.
+  std::optional<FloorKeyframe> retired;  ///< The keyframe that this frame succeeds, or that was given up with it.
 };
 
 class FloorTracker {
@@ -103,69 +132,59 @@ class FloorTracker {
   /// @throws BadInput if the image's size is not the camera's.
   FloorTrack Track(const Observation& observation);
 
-  /// After the last frame: the keyframe that still serves, if any frame was tracked by it.
-  std::optional<FloorKeyframe> Finish();
+  /// After the last frame: the present keyframe, if it shows floor and any frame was aligned with it.
+  std::optional<FloorKeyframe> Finish() const;
 
+  FloorTrackerState state() const { return state_; }
   /// Of undistorted images.
-  const CameraModel& camera() const { return camera_; }
+  const CameraModel& camera() const { return undistortion_.camera(); }
 
  private:
-  struct Keyframe {
-    PlaneReference reference;
-    cv::Mat grey;  ///< Undistorted, as the camera shows it.
-    std::vector<PutativePlane> regions;
-    cv::Mat mask;      ///< Where it is compared.
-    PlaneState plane;  ///< Its normal.
-    Pose X_WK;
-    int64_t stamp_ns = 0;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of its way from the one before.
-    int id = 0;
-    bool confirmed = true;  ///< False after a loss, until the next one succeeds it.
-    int tracked_frames = 0;
-    std::optional<Eigen::Quaterniond> turned = Eigen::Quaterniond::Identity();  ///< R_KC since, by the gyroscope ...
-    double turned_s = 0;                                                        ///< ... over this time.
+  /// Rotation vectors of the camera in its own frame, where a gyroscope measured them.
+  struct Turn {
+    std::optional<Eigen::Vector3d> since_last, during_exposure;
   };
-  struct Rotation {
-    std::optional<Eigen::Vector3d> since_last, during_exposure;  ///< Rotation vectors of the camera in its own frame.
+  /// A frame's alignment with the keyframe, and what led to it.
+  struct Attempt {
+    Pose predicted;  ///< X_WC
+    CurrentBlur blur;
+    PlaneAlignment alignment;
   };
+  using Event = FloorTrackerEvent;
 
-  cv::Mat Undistort(const cv::Mat& image) const;
-  Eigen::Vector3d AngularRate(const ImuSample& sample) const;
-  void LearnBias(const Pose& X_CK);
-  Rotation Integrate(const Observation& observation);
+  Turn Integrate(const Observation& observation);
   void FollowGravity(const Observation& observation);
   const Eigen::Vector3d& UpC() const;
-  void Start(const Observation& observation);
-  void Restart(const Observation& observation, const Pose& X_WC, const cv::Mat& rejected);
-  FloorTrack Follow(const Observation& observation, const Rotation& turned);
-  void Succeed(const Observation& observation, const PlaneState& now, const CurrentBlur& blur, FloorTrack& track);
-  FloorTrack Accept(const PlaneAlignment& found, const CurrentBlur& blur) const;
-  bool IsPlausible(const FloorTrack& track) const;
-  bool TurnsAsFelt(const Pose& X_CR) const;
+
+  Event Initialize(const Observation& observation, FloorTrack& track);
+  Event Follow(const Observation& observation, const Turn& turn, FloorTrack& track, cv::Mat& rejected);
+  Event Succeed(const Observation& observation, const Attempt& attempt, FloorTrack& track, cv::Mat& rejected);
+  void Restart(const Observation& observation, const cv::Mat& rejected, FloorTrack& track);
+
+  void TurnOn(const Observation& observation, const Turn& turn);
+  Attempt Align(const Observation& observation, const Turn& turn) const;
+  FloorTrack Described(const Attempt& attempt) const;
+  bool IsPlausible(const Attempt& attempt, const FloorTrack& track) const;
   bool IsDue(const FloorTrack& track, double inside_ratio) const;
-  FloorKeyframe Retire(const PlaneState* now, const CurrentBlur& blur) const;
-  cv::Mat CarryRejected(const FloorKeyframe& retired, const PlaneState& now) const;
   void MakeKeyframe(int64_t stamp_ns, const Pose& X_WC, const ExposureMotion& blur, const cv::Mat& rejected);
-  cv::Mat FloorMask(const Pose& X_WC) const;
   Pose Corrected(const Pose& X_WC) const;
 
   Calibration calibration_;
   FloorTrackerOptions options_;
-  CameraModel camera_;
+  Undistortion undistortion_;
   PlaneAligner aligner_;
-  cv::Mat map_u_, map_v_;  ///< Of cv::remap; empty if nothing is distorted.
-  std::optional<Keyframe> keyframe_;
-  ImagePyramid image_;
-  cv::Mat grey_;
-  Pose X_dead_;         ///< The last frame that was tracked, turned on by the gyroscope since.
-  Pose X_WC_, X_last_;  ///< Of the last frame; its motion from the one before it (X of points).
+  std::optional<GyroTurn> gyro_;        ///< Of robots with an IMU, as is ...
+  std::optional<UpDirection> gravity_;  ///< ... this, from the first sample on.
+
+  FloorTrackerState state_ = FloorTrackerState::kInitializing;
+  std::optional<FloorReference> keyframe_;
+  int keyframes_ = 0;
+
+  cv::Mat grey_;        ///< The present frame, undistorted ...
+  ImagePyramid image_;  ///< ... and as alignment compares it.
+  Pose X_WC_, X_last_;  ///< Of the last frame; its motion from the one before, X_(before)(last).
+  Pose X_WC_dead_;      ///< Of the frame tracked last, rotated by the gyroscope since.
   int64_t last_ns_ = 0, tracked_ns_ = 0;
-  int lost_frames_ = 0, keyframes_ = 0;
-  cv::Mat rejected_;  ///< Where what was followed in place of floor is now; empty if nothing was.
-  std::vector<ImuSample> imu_;
-  Eigen::Vector3d gyro_bias_ = Eigen::Vector3d::Zero();  ///< In the camera's frame, rad/s.
-  double gyro_bias_sigma_ = 0.02;                        ///< Of each component.
-  std::optional<UpDirection> gravity_;                   ///< Of robots with an IMU.
 };
 
 }  // namespace gaitcam

@@ -31,14 +31,14 @@ ImageSample PyramidLevel::At(const Eigen::Vector2d& p) const {
 
 ImagePyramid ImagePyramid::Of(const cv::Mat& image, int levels) {
   GAITCAM_ASSERT(!image.empty() && levels >= 1);
-  constexpr int kLeastSide_px = 16;
+  constexpr int kMinSide_px = 16;
   cv::Mat grey = image, intensity;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   grey.convertTo(intensity, CV_32F);
   ImagePyramid pyramid;
   for (int k = 0; k < levels; ++k) {
     pyramid.levels.push_back(LevelOf(intensity));
-    if (std::min(intensity.cols, intensity.rows) / 2 < kLeastSide_px) break;
+    if (std::min(intensity.cols, intensity.rows) / 2 < kMinSide_px) break;
     cv::Mat half;
     cv::pyrDown(intensity, half);
     intensity = half;

@@ -1,4 +1,4 @@
-/// Smoothed and halved copies of an image with their gradients: what direct alignment samples.
+/// Image pyramid with gradients, as direct alignment samples it.
 
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace gaitcam {
 
-/// Intensity and gradient at a place between pixels.
+/// Intensity and gradient between pixels.
 struct ImageSample {
   float intensity = 0;
   float du = 0, dv = 0;  ///< Per pixel of the level.
@@ -19,7 +19,7 @@ struct PyramidLevel {
 
   int width() const { return samples.cols; }
   int height() const { return samples.rows; }
-  /// At least one pixel away from the border: every sample around is there.
+  /// At least one pixel away from the border, so that all neighbours exist.
   bool Contains(const Eigen::Vector2d& p) const {
     return p.x() >= 1 && p.y() >= 1 && p.x() <= width() - 2.001 && p.y() <= height() - 2.001;
   }
@@ -31,7 +31,7 @@ struct PyramidLevel {
 struct ImagePyramid {
   std::vector<PyramidLevel> levels;
 
-  /// @param image CV_8UC1 or CV_8UC3. @param levels at least 1; fewer come back when a side would fall below 16 px.
+  /// @param image CV_8UC1 or CV_8UC3. @param levels at least 1; fewer where a side would fall below 16 px.
   static ImagePyramid Of(const cv::Mat& image, int levels);
 };
 

@@ -1,8 +1,8 @@
-/// Parts of an image that may show a plane, before anything is known of the scene (thesis 6.3).
+/// Image regions that may show a plane, proposed without knowledge of the scene (thesis 6.3).
 ///
-/// Floors of one colour say something only where they end: a region that edges enclose is proposed by the band along
-/// its boundary. Planks, tiles and carpets have texture all over and no closed outline: there, blocks of dense texture
-/// are proposed. What of this really lies in the floor, the alignment has to find out (thesis 6.4.2).
+/// A floor of one colour has gradients at its boundary only: a region that edges enclose is proposed by the band along
+/// its boundary. Planks, tiles and carpets are textured and have no closed outline: there, blocks of dense texture are
+/// proposed. Which of them lie in the floor is decided by alignment (floor_regions.h, thesis 6.4.2).
 
 #pragma once
 
@@ -17,19 +17,19 @@ namespace gaitcam {
 struct PutativePlaneOptions {
   using DescribedTag = void;
   std::string selector = "both";  ///< "boundary", "texture" or "both".
-  int most_regions = 24;          ///< The largest are kept, of each selector.
+  int most_regions = 24;          ///< The largest of each selector are kept.
 
   double canny_low = 30, canny_high = 80;  ///< Gradients as the Sobel operator has them: 4 per grey level per pixel
                                            ///< of a ramp.
-  int closing_px = 2;                      ///< Gaps in edges are closed by dilation and erosion of this radius.
-  double least_area_ratio = 0.01;          ///< A smaller part of the image is no region that edges enclose.
+  int closing_px = 2;                      ///< Radius of the dilation and erosion that close gaps in edges.
+  double least_area_ratio = 0.01;          ///< Area of a region that edges enclose, part of the image.
   int band_px = 6;                         ///< Thickness of a boundary (thesis 6.3).
 
-  double texture_gradient_grey = 2.5;  ///< Per pixel, after smoothing with 1 px: less is taken for noise.
+  double texture_gradient_grey = 2.5;  ///< Per pixel, after smoothing with 1 px; less is noise.
   int texture_window_px = 21;          ///< Side of the square within which texture is counted.
-  double texture_density = 0.33;       ///< Part of that square which must be textured.
-  double least_texture_ratio = 0.006;  ///< A smaller part of the image is no textured region.
-  int block_px = 64;                   ///< Textured regions are cut along a grid so wide; 0: not at all.
+  double texture_density = 0.33;       ///< Textured part of that square, at least.
+  double least_texture_ratio = 0.006;  ///< Area of a textured region, part of the image.
+  int block_px = 64;                   ///< Textured regions are cut along a grid of this width; 0: not cut.
 };
 
 template <class Visitor>
@@ -48,8 +48,7 @@ void VisitFields(Visitor& visit, PutativePlaneOptions& o) {
   visit("block_px", o.block_px, Between(0, 10000), "grid that cuts textured regions; 0: whole");
 }
 
-/// A region; its masks are as large as the rectangle `at` of the image (255 or 0, CV_8UC1), which saves most of the
-/// time.
+/// A region. Its masks (CV_8UC1, 255 or 0) cover the rectangle `at` of the image.
 struct PutativePlane {
   enum class Kind { kBoundary, kTexture };
   Kind kind = Kind::kBoundary;
@@ -60,12 +59,12 @@ struct PutativePlane {
 };
 
 /// @param image undistorted, CV_8UC1 or CV_8UC3.
-/// @return largest first; of equal ones, boundaries first and then the upper, left one. Where the image itself ends is
-/// no boundary. A region without a boundary in the image is left out.
+/// @return largest first; of equal ones, boundaries first and then the upper, left one. The image's border is no
+/// boundary; a region without any other is left out.
 /// @throws BadOption; BadInput if the image is of another type or a side is below 32 px.
 std::vector<PutativePlane> FindPutativePlanes(const cv::Mat& image, const PutativePlaneOptions& options = {});
 
-/// All that is to be aligned of some regions, or all that they enclose: CV_8UC1 of the image's size.
+/// The union of the regions' `pixels`, or of their `enclosed`: CV_8UC1 of the image's size.
 cv::Mat UnionOfPixels(const std::vector<PutativePlane>& planes, cv::Size image_size);
 cv::Mat UnionOfEnclosed(const std::vector<PutativePlane>& planes, cv::Size image_size);
 

@@ -10,7 +10,7 @@ FloorFilterOptions FilterOf(const FloorSlamOptions& options) {
   if (options.use_map) return filter;
   filter.particles = 1;
   filter.inflation = filter.drift_ratio = filter.drift_deg_per_m = 0;
-  filter.loop_m = 1e6;  // further than anyone walks
+  filter.loop_m = 1e6;  // no loop closures
   return filter;
 }
 
@@ -64,7 +64,7 @@ std::vector<FrameEstimate> FloorSlam::Finish() {
     FrameEstimate estimate = record.estimate;
     const auto keyframe = keyframe_of_id_.find(record.keyframe);
     if (record.aligned && keyframe != keyframe_of_id_.end()) {
-      // Between two keyframes the correction goes over from one to the other.
+      // Between two keyframes, interpolates their corrections.
       const size_t k = keyframe->second, next = std::min(k + 1, corrections.size() - 1);
       const Pose a = corrections[k].Lifted() * record.X_tracked, b = corrections[next].Lifted() * record.X_tracked;
       const double span = double(std::max<int64_t>(1, keyframe_ns_[next] - keyframe_ns_[k]));

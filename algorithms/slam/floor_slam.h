@@ -1,6 +1,6 @@
-/// Visual SLAM with one camera over a flat floor, from the homographies of the floor plane, with an intensity map of it
-/// (thesis, chapter 6): a tracker aligns each frame with a keyframe, and a Rao-Blackwellised particle filter maps the
-/// keyframes and corrects the way where the camera comes back over floor that it knows.
+/// Monocular SLAM over a flat floor from the homographies of the floor plane, with an intensity map of it (thesis,
+/// chapter 6): a tracker aligns each frame with a keyframe; a Rao-Blackwellised particle filter maps the keyframes and
+/// closes loops where the camera returns to mapped floor.
 
 #pragma once
 
@@ -20,13 +20,13 @@ struct FloorSlamOptions {
   using DescribedTag = void;
   FloorTrackerOptions tracker;
   FloorFilterOptions filter;
-  bool use_map = true;  ///< False: tracking alone; the map is drawn but corrects nothing.
+  bool use_map = true;  ///< False: dead reckoning by the tracker; the map is drawn but closes no loop.
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, FloorSlamOptions& o) {
   visit("tracker", o.tracker, Nested(), "frame by frame");
-  visit("filter", o.filter, Nested(), "map and way");
+  visit("filter", o.filter, Nested(), "map and trajectory");
   visit("use_map", o.use_map, Nested(), "false: tracking alone, the map corrects nothing");
 }
 
@@ -37,7 +37,7 @@ class FloorSlam {
 
   /// World W: z = 0 is the floor, z up, the origin below the first camera, x along its view; metres.
   FrameEstimate Track(const Observation& observation);
-  /// Every frame on the filter's smoothed way: corrections are spread over the keyframes that led to them.
+  /// Every frame on the smoothed trajectory, corrections interpolated between keyframes.
   std::vector<FrameEstimate> Finish();
   FloorPicture Floor() const { return filter_.Map(filter_.SmoothPath()); }
 
@@ -47,9 +47,9 @@ class FloorSlam {
  private:
   struct Record {
     FrameEstimate estimate;
-    Pose X_tracked;        ///< The tracker's.
-    bool aligned = false;  ///< With ...
-    int keyframe = 0;      ///< ... this keyframe of the tracker's.
+    Pose X_tracked;        ///< By the tracker.
+    bool aligned = false;  ///< With a keyframe ...
+    int keyframe = 0;      ///< ... of this FloorKeyframe::id.
   };
   void AddKeyframe(const FloorKeyframe& keyframe);
 
@@ -58,9 +58,9 @@ class FloorSlam {
   FloorFilter filter_;
   std::vector<Record> records_;
   bool started_ = false;
-  std::vector<PlanarPose> keyframes_;  ///< The tracker's.
+  std::vector<PlanarPose> keyframes_;  ///< By the tracker.
   std::vector<int64_t> keyframe_ns_;
-  std::map<int, size_t> keyframe_of_id_;  ///< Those that retired.
+  std::map<int, size_t> keyframe_of_id_;  ///< Index of the retired ones.
 };
 
 }  // namespace gaitcam

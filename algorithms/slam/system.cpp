@@ -2,10 +2,11 @@
 
 #include <algorithm>
 
+#include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
-#include "algorithms/core/fields.h"
-#include "algorithms/odometry/frame_to_frame_vo.h"
+#include "algorithms/odometry/keyframe_vo.h"
 #include "algorithms/odometry/mobif_vo_plus.h"
+#include "algorithms/odometry/two_view_vo.h"
 #include "algorithms/slam/floor_slam.h"
 #include "algorithms/slam/settings.h"
 #include "algorithms/slam/topo_slam.h"
@@ -18,34 +19,44 @@ struct Entry {
   std::function<std::unique_ptr<System>(const SystemSetup&)> make;
 };
 
-/// The odometry of thesis 5.4 behind the interface.
-class FrameToFrameSystem : public System {
+class KeyframeVoSystem : public System {
  public:
-  FrameToFrameSystem(const CameraModel& camera, const FrameToFrameVoOptions& options, uint64_t seed)
-      : odometry_(camera, options, seed) {}
+  KeyframeVoSystem(const Calibration& calibration, const KeyframeVoOptions& options, uint64_t seed)
+      : odometry_(calibration, options, seed) {}
   FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
-  std::vector<FrameEstimate> Finish() override { return odometry_.Finish(); }
+  FinalEstimate Finish() override { return {odometry_.Finish(), {}, {}}; }
 
  private:
-  FrameToFrameVo odometry_;
+  KeyframeVo odometry_;
 };
 
-/// One composition, known by the detector it uses unless it is told another.
-Entry FrameToFrame(const std::string& feature, double sensitivity, const std::string& description) {
+/// A preset of the keyframe odometry, called by its default detector.
+Entry KeyframeVoWith(const std::string& feature, const std::string& description) {
+  constexpr double kSensitivity = 4;
   const std::string name = feature + "_vo";
-  const FrameToFrameVoOptions defaults = FrameToFrameVoOptions::WithFeature(feature, sensitivity);
-  return {{name, description, SettingsOf(defaults)}, [name, defaults](const SystemSetup& setup) {
-            return std::make_unique<FrameToFrameSystem>(setup.calibration.camera,
-                                                        OptionsFrom(setup.settings, name, defaults), setup.seed);
+  const KeyframeVoOptions defaults = KeyframeVoOptions::WithFeature(feature, kSensitivity);
+  return {{name, description, ListFields(defaults), {}, false}, [name, defaults](const SystemSetup& setup) {
+            return std::make_unique<KeyframeVoSystem>(setup.calibration, OptionsFrom(setup.settings, name, defaults),
+                                                      setup.seed);
           }};
 }
+
+class TwoViewVoSystem : public System {
+ public:
+  explicit TwoViewVoSystem(const SystemSetup& setup)
+      : odometry_(setup.calibration.camera, OptionsFrom<TwoViewVoOptions>(setup.settings, "thesis_vo"), setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
+
+ private:
+  TwoViewVo odometry_;
+};
 
 class MobifVoPlusSystem : public System {
  public:
   explicit MobifVoPlusSystem(const SystemSetup& setup)
       : odometry_(setup.calibration, OptionsFrom<MobifVoPlusOptions>(setup.settings, "mobif_vo_plus"), setup.seed) {}
   FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
-  std::vector<FrameEstimate> Finish() override { return odometry_.Finish(); }
+  FinalEstimate Finish() override { return {odometry_.Finish(), {}, {}}; }
 
  private:
   MobifVoPlus odometry_;
@@ -56,8 +67,12 @@ class FloorSlamSystem : public System {
   explicit FloorSlamSystem(const SystemSetup& setup)
       : slam_(setup.calibration, OptionsFrom<FloorSlamOptions>(setup.settings, "floor_slam"), setup.seed) {}
   FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
-  std::vector<FrameEstimate> Finish() override { return slam_.Finish(); }
-  std::optional<FloorPicture> Floor() const override { return slam_.Floor(); }
+  FinalEstimate Finish() override {
+    FinalEstimate answer;
+    answer.frames = slam_.Finish();
+    answer.maps.emplace_back(slam_.Floor());
+    return answer;
+  }
 
  private:
   FloorSlam slam_;
@@ -68,63 +83,119 @@ class TopoSlamSystem : public System {
   explicit TopoSlamSystem(const SystemSetup& setup)
       : slam_(setup.calibration, OptionsFrom<TopoSlamOptions>(setup.settings, "topo_slam")) {}
   FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
-  std::vector<FrameEstimate> Finish() override {
+  FinalEstimate Finish() override {
     slam_.Finish();
-    return {};
+    return {{}, {slam_.graph()}, slam_.Failure()};
   }
-  std::optional<PlaceGraph> Places() const override { return slam_.graph(); }
-  bool Acts() const override { return true; }
-  BodyRequest Request() const override { return slam_.wants_scan() ? BodyRequest::kScan : BodyRequest::kGoOn; }
-  std::string Failure() const override { return slam_.Failure(); }
+  BodyCommand Command() const override { return slam_.wants_scan() ? BodyCommand(Scan()) : FollowPath(); }
 
  private:
   TopoSlam slam_;
 };
 
 /// Every system there is: a new one is one more line here.
-std::vector<Entry> AllSystems() {
+std::vector<Entry> MakeEntries() {
   std::vector<Entry> entries = {
-      FrameToFrame("akaze", 4, "the odometry of mobif_vo with AKAZE features"),
-      FrameToFrame("mobif", 4, "monocular odometry from pairs of frames (thesis 5.4) with MoBIF features"),
-      FrameToFrame("orb", 4, "the odometry of mobif_vo with ORB features"),
-      FrameToFrame("sift", 4, "the odometry of mobif_vo with SIFT features: the plain baseline"),
-      FrameToFrame("surf", 4, "the odometry of mobif_vo with SURF features"),
-      {{"floor_slam", "SLAM from the floor plane's homographies, with an intensity map of it (thesis, chapter 6)",
-        SettingsOf(FloorSlamOptions())},
+      KeyframeVoWith("akaze", "the odometry of mobif_vo with AKAZE features"),
+      KeyframeVoWith("mobif", "monocular keyframe odometry with MoBIF features"),
+      KeyframeVoWith("orb", "the odometry of mobif_vo with ORB features"),
+      KeyframeVoWith("sift", "the odometry of mobif_vo with SIFT features: the plain baseline"),
+      KeyframeVoWith("surf", "the odometry of mobif_vo with SURF features"),
+      {{"thesis_vo",
+        "the monocular odometry of thesis 5.4: seven steps per pair of successive frames",
+        ListFields(TwoViewVoOptions()),
+        {},
+        false},
+       [](const SystemSetup& setup) { return std::make_unique<TwoViewVoSystem>(setup); }},
+      {{"floor_slam",
+        "SLAM from the floor plane's homographies, with an intensity map of it (thesis, chapter 6)",
+        ListFields(FloorSlamOptions()),
+        {SensorNeed::kStandingCamera},
+        false},
        [](const SystemSetup& setup) { return std::make_unique<FloorSlamSystem>(setup); }},
       {{"mobif_vo_plus",
         "monocular odometry for a shaking camera: blur-robust features, inverse depths, bundle adjustment",
-        SettingsOf(MobifVoPlusOptions())},
+        ListFields(MobifVoPlusOptions()),
+        {},
+        false},
        [](const SystemSetup& setup) { return std::make_unique<MobifVoPlusSystem>(setup); }},
-      {{"topo_slam", "a map of places seen all around, 170 bytes each; the robot scans as it asks (thesis, chapter 4)",
-        SettingsOf(TopoSlamOptions())},
+      {{"topo_slam",
+        "a map of places seen all around, 170 bytes each; the robot scans as it asks (thesis, chapter 4)",
+        ListFields(TopoSlamOptions()),
+        {SensorNeed::kStandingCamera},
+        true},
        [](const SystemSetup& setup) { return std::make_unique<TopoSlamSystem>(setup); }},
   };
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.info.name < b.info.name; });
   return entries;
 }
 
+const std::vector<Entry>& AllSystems() {
+  static const std::vector<Entry> entries = MakeEntries();
+  return entries;
+}
+
+const Entry& Find(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Entry& entry : AllSystems()) {
+    if (entry.info.name == name) return entry;
+    names.push_back(entry.info.name);
+  }
+  throw BadInput("system " + name + ": there is no such system; " + DidYouMean(name, names));
+}
+
+bool Has(SensorNeed need, const Calibration& calibration, bool has_joints) {
+  switch (need) {
+    case SensorNeed::kStereo: return calibration.right.has_value();
+    case SensorNeed::kDepth: return calibration.has_depth;
+    case SensorNeed::kImu: return calibration.imu.rate_hz > 0;
+    case SensorNeed::kJoints: return has_joints;
+    case SensorNeed::kStandingCamera: return calibration.standing.has_value();
+  }
+  GAITCAM_ASSERT(false);
+  return false;
+}
+
 }  // namespace
 
-std::string SettingValue::ToText() const { return number() ? internal::NumberText(*number()) : '"' + *text() + '"'; }
+std::string ToString(SensorNeed need) {
+  switch (need) {
+    case SensorNeed::kStereo: return "stereo";
+    case SensorNeed::kDepth: return "depth";
+    case SensorNeed::kImu: return "imu";
+    case SensorNeed::kJoints: return "joints";
+    case SensorNeed::kStandingCamera: return "standing_camera";
+  }
+  GAITCAM_ASSERT(false);
+  return {};
+}
 
-std::vector<SystemInfo> ListSystems() {
-  std::vector<SystemInfo> infos;
-  for (const Entry& entry : AllSystems()) infos.push_back(entry.info);
+SystemSettings SystemInfo::Defaults() const {
+  SystemSettings settings;
+  for (const FieldInfo& option : options) settings[option.key] = option.default_value;
+  return settings;
+}
+
+const std::vector<SystemInfo>& ListSystems() {
+  static const std::vector<SystemInfo> infos = [] {
+    std::vector<SystemInfo> list;
+    for (const Entry& entry : AllSystems()) list.push_back(entry.info);
+    return list;
+  }();
   return infos;
 }
 
-std::unique_ptr<System> MakeSystem(const std::string& name, const SystemSetup& setup) {
-  std::vector<std::string> names;
-  for (const Entry& entry : AllSystems()) {
-    if (entry.info.name == name) return entry.make(setup);
-    names.push_back(entry.info.name);
+const SystemInfo& InfoOfSystem(const std::string& name) { return Find(name).info; }
+
+std::vector<SensorNeed> MissingSensors(const std::vector<SensorNeed>& needs, const Calibration& calibration,
+                                       bool has_joints) {
+  std::vector<SensorNeed> missing;
+  for (const SensorNeed need : needs) {
+    if (!Has(need, calibration, has_joints)) missing.push_back(need);
   }
-  const std::string near = NearestWord(name, names);
-  std::string all;
-  for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
-  throw BadInput("system " + name + ": there is no such system; " +
-                 (near.empty() ? "known: " + all : "did you mean " + near + "?"));
+  return missing;
 }
+
+std::unique_ptr<System> MakeSystem(const std::string& name, const SystemSetup& setup) { return Find(name).make(setup); }
 
 }  // namespace gaitcam

@@ -12,315 +12,178 @@ Eigen::Vector3d StandingUp(const Calibration& calibration) {
   throw BadInput("topo_slam: the calibration does not say how the camera stands (standing: height, up)");
 }
 
+TopoSlamOptions Checked(const TopoSlamOptions& options) {
+  CheckFields(options, "topo_slam.");
+  return options;
+}
+
+PlaceMap::Options MapOptions(const Calibration& calibration, const TopoSlamOptions& options) {
+  PlaceMap::Options map{options.wavelet, std::nullopt, options.sector_slack_deg};
+  if (calibration.imu.rate_hz > 0 && options.heading_window_deg < 180)
+    map.heading_tolerance_deg = options.heading_window_deg;
+  return map;
+}
+
 }  // namespace
 
 TopoSlam::TopoSlam(const Calibration& calibration, const TopoSlamOptions& options)
-    : options_(options),
-      up_(calibration.imu, StandingUp(calibration)),
+    : options_(Checked(options)),
       layout_(LayoutFor(calibration.camera, StandingUp(calibration), options.width_px, options.height_px)),
       projection_(calibration.camera, StandingUp(calibration), layout_),
-      encoder_(options.height_px, options.wavelet),
-      map_(options.wavelet),
-      filter_(options.loop),
-      imu_(calibration.imu) {
-  CheckFields(options, "topo_slam.");
-  // Says at once what every view would.
-  encoder_.OfView(cv::Mat::zeros(layout_.height_px, projection_.width_px(), CV_8UC1));
-}
+      heading_(calibration.imu, StandingUp(calibration)),
+      scan_(projection_, layout_, {options.panorama, options.rest_after_scan_s, options.scan_patience_s}),
+      steady_(options.steady, options.test_every_s),
+      places_(projection_, layout_, MapOptions(calibration, options)),
+      gate_({options.place_steps, options.step_error}),
+      filter_(options.loop) {}
 
 FrameEstimate TopoSlam::Track(const Observation& observation) {
   FrameEstimate estimate;
   estimate.stamp_ns = observation.stamp_ns;
-  up_.Add(observation.imu, imu_.X_CI.rotation * gyro_bias_.bias());
-  if (HasGyroscope() && !observation.scan && !builder_) steps_.Add(observation.joints, heading_rad());
-  if (wants_scan_ || observation.scan) {
-    FollowScan(observation);
-    return estimate;
+  heading_.Add(observation.imu);
+  if (observation.scan) {
+    heading_.Stand(observation.imu);
+  } else if (heading_.has_gyroscope() && scan_.state() != ScanController::State::kScanning) {
+    gate_.Walk(observation.joints, heading_.heading_rad());
   }
-  if (Rests(observation)) return estimate;
-  Collect(observation);
-  if (tested_ns_ < 0) tested_ns_ = observation.stamp_ns;
-  if (double(observation.stamp_ns - tested_ns_) * 1e-9 >= options_.test_every_s) {
-    tested_ns_ = observation.stamp_ns;
-    Test(*candidate_, estimate);
-    candidate_.reset();
+  if (const auto scan = scan_.Add(observation, heading_.heading_rad())) EndScan(*scan);
+  if (scan_.state() != ScanController::State::kWalking) {
+    steady_.Reset();
+  } else if (const auto view = steady_.Add(observation, heading_.up_C(), heading_.heading_rad())) {
+    Test(*view, estimate);
   }
   return estimate;
 }
 
 void TopoSlam::Finish() {
-  if (builder_ && builder_->missing_deg() == 0) EndScan();
+  if (const auto scan = scan_.Finish()) EndScan(*scan);
 }
 
-void TopoSlam::FollowScan(const Observation& observation) {
-  candidate_.reset();
-  tested_ns_ = -1;
-  if (wanted_ns_ < 0) {
-    wanted_ns_ = observation.stamp_ns;
-    asked_heading_rad_ = heading_rad();
+// ---------------------------------------------------------------------------------------------------------------------
+// A panorama decides.
+
+void TopoSlam::EndScan(const ScanController::Scan& scan) {
+  heading_.LearnBias();
+  const std::optional<KnownPlace> known = Recognise(scan);
+  if (!known) {
+    AddNode(scan);
+    return;
   }
-  if (observation.scan) {
-    gyro_bias_.Stand(observation.imu);
-    standing_samples_ += observation.imu.size();
-    if (!wants_scan_) {  // the rest of a scan that has shown all
-      scanned_ns_ = observation.stamp_ns;
-      return;
-    }
-    if (!builder_) {
-      builder_.emplace(projection_, layout_, options_.panorama);
-      ahead_rad_ = HeadingAtScan(observation.scan->pan_rad);
-      scan_began_ns_ = observation.stamp_ns;
-    }
-    builder_->Add(observation.image.pixels, observation.scan->pan_rad + observation.scan->body_turn_rad);
-  } else if (builder_ && builder_->missing_deg() == 0) {
-    scanned_ns_ = observation.stamp_ns;
-    EndScan();  // between two sweeps, while the body turns, half of it is missing still
-  } else if (double(observation.stamp_ns - wanted_ns_) * 1e-9 > options_.scan_patience_s) {
-    gave_up_ = true;
-  }
+  CloseLoop(known->node, scan.began_ns);
+  // A step aside of a known place: compared with the node's own panorama, views would ask for another scan at once.
+  const double ahead_rad = places_.ahead_rad(known->node) + known->bearing_rad;
+  places_.SetSurroundings(scan.panorama.image, ahead_rad);
+  heading_.Turn(std::remainder(ahead_rad - scan.ahead_rad, 2 * std::numbers::pi));
 }
 
-/// Of the body, which has come to a halt since it was asked. A gyroscope in the head has turned with it by `pan_rad`,
-/// to where a sweep begins, so far that the two cannot be mistaken for each other.
-double TopoSlam::HeadingAtScan(double pan_rad) const {
-  const double turned = heading_rad() - asked_heading_rad_;
-  return std::abs(turned - pan_rad) < std::abs(turned) ? heading_rad() - pan_rad : heading_rad();
-}
-
-void TopoSlam::EndScan() {
-  LearnBias();
-  Panorama panorama = builder_->Finish();
-  here_.reset();
-  if (const std::optional<KnownPlace> known = Recognise(panorama.image)) {
-    CloseLoop(known->node, scan_began_ns_);
-    LookFrom(panorama.image, reckoned_[size_t(known->node)].ahead_rad + known->bearing_rad);
-  } else {
-    AddNode(std::move(panorama));
-  }
-  builder_.reset();
-  wants_scan_ = false;
-  wanted_ns_ = -1;
-}
-
-/// Also what the heading has drifted by since the scan began is taken back.
-void TopoSlam::LearnBias() {
-  const Eigen::Vector3d before = gyro_bias_.bias();
-  gyro_bias_.Learn();
-  const Eigen::Vector3d more_C = imu_.X_CI.rotation * (gyro_bias_.bias() - before);
-  if (HasGyroscope()) heading_offset_rad_ -= more_C.dot(up_.up_C()) * double(standing_samples_) / imu_.rate_hz;
-  standing_samples_ = 0;
-  heading_is_old_ = !gyro_bias_.learned();
-}
-
-/// The node that a panorama shows, turned as it may be: rather another one than the last. It says as much as all of its
-/// views, so that nothing that was believed before counts beside it.
-std::optional<TopoSlam::KnownPlace> TopoSlam::Recognise(const cv::Mat& panorama) {
-  if (map_.size() == 0) return std::nullopt;
-  const PanoramaSectors sectors = SectorsOf(encoder_, panorama, projection_.width_px());
-  std::vector<PanoramaMatch> matches;
+/// The node that a panorama shows, rather another one than the last. It says as much as all of its views, so what was
+/// believed before does not count beside it.
+std::optional<TopoSlam::KnownPlace> TopoSlam::Recognise(const ScanController::Scan& scan) {
+  if (places_.size() == 0) return std::nullopt;
+  const PanoramaSectors sectors = places_.Sectors(scan.panorama.image);
+  const std::vector<PanoramaMatch> matches = places_.MatchNodes(sectors, scan.ahead_rad);
   std::vector<double> similarity;
-  for (size_t node = 0; node < map_.size(); ++node) {
-    matches.push_back(MatchPanorama(map_, node, sectors, options_.sector_slack_deg, TurnTo(node)));
-    similarity.push_back(matches.back().similarity);
-  }
-  LoopFilterOptions all_around = options_.loop;
-  all_around.threshold = options_.same_place;
-  all_around.sharpness *= double(sectors.views.size());
-  const LoopFilter::Belief belief = LoopFilter(all_around).Update(similarity, LeftOut(), graph_.links);
-  const bool still_there = belief.best < 0 && similarity[size_t(last_)] > options_.same_place;
-  const int node = still_there ? last_ : belief.best;
-  const double bearing_rad = node < 0 ? 0 : -matches[size_t(node)].turn_px / layout_.px_per_rad();
-  Record(belief, scan_began_ns_, std::remainder(bearing_rad, 2 * std::numbers::pi), panorama);
+  for (const PanoramaMatch& match : matches) similarity.push_back(match.similarity);
+  LoopFilterOptions panoramic = options_.loop;
+  panoramic.threshold = options_.same_place;
+  panoramic.sharpness *= double(sectors.views.size());
+  const LoopFilter::Belief belief = LoopFilter(panoramic).Update(similarity, LeftOut(), graph_.links);
+  const bool still_there = belief.best < 0 && similarity[size_t(places_.last())] > options_.same_place;
+  const int node = still_there ? places_.last() : belief.best;
+  const double bearing_rad = node < 0 ? 0 : places_.BearingOf(matches[size_t(node)]);
+  Record(belief, scan.began_ns, std::remainder(bearing_rad, 2 * std::numbers::pi), scan.panorama.image);
   if (node < 0) return std::nullopt;
   return KnownPlace{node, bearing_rad};
 }
 
-/// How far to the right the panorama that was just made lies in a node's, as the gyroscope has it.
-std::optional<WaveletWindow> TopoSlam::TurnTo(size_t node) const {
-  if (!KnowsHeading()) return std::nullopt;
-  const double left_rad = ahead_rad_ - reckoned_[node].ahead_rad;
-  return WaveletWindow{-left_rad * layout_.px_per_rad(), HeadingTolerancePx()};
+void TopoSlam::AddNode(const ScanController::Scan& scan) {
+  const int before = places_.last();
+  places_.AddNode(scan.panorama.image, scan.ahead_rad);
+  gate_.AddNode();
+  PlaceNode node;
+  node.stamp_ns = scan.began_ns;
+  node.bytes = places_.bytes_per_node();
+  node.panorama = scan.panorama.image;
+  graph_.nodes.push_back(node);
+  stitches_.push_back(scan.panorama);
+  stitches_.back().image.release();
+  if (before >= 0) graph_.links.push_back({before, places_.last(), false, scan.began_ns});
+  Forget();
+}
+
+/// Step 4 of 4.5, each time another place is recognised, also along a link that exists.
+void TopoSlam::CloseLoop(int node, int64_t stamp_ns) {
+  if (node != places_.last()) graph_.links.push_back({places_.last(), node, true, stamp_ns});
+  places_.Visit(node);
+  gate_.Visit(node);
+  Forget();
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// A view asks.
+
+void TopoSlam::Test(const SteadyView& candidate, FrameEstimate& estimate) {
+  const cv::Mat view = options_.level_views ? projection_.ProjectView(candidate.image, candidate.up_C)
+                                            : projection_.ProjectView(candidate.image);
+  const WaveletView signature = places_.Encode(view);
+  const std::optional<double> heading = heading_.stale() ? std::nullopt : std::optional<double>(candidate.heading_rad);
+  const WaveletMatch here = places_.MatchSurroundings(signature, heading);
+  const WaveletSignature& first = signature.shifts.front();
+  estimate.features = first.columns() * first.bits_per_column();
+  estimate.inliers = int(std::lround((1 - here.disagreement) * estimate.features));
+
+  const std::vector<WaveletMatch> matches = places_.MatchNodes(signature, candidate.heading_rad);
+  const std::vector<bool> left_out = LeftOut();
+  std::vector<double> similarity;
+  double max_similarity = 0;
+  for (size_t node = 0; node < matches.size(); ++node) {
+    similarity.push_back(matches[node].similarity);
+    if (!left_out[node]) max_similarity = std::max(max_similarity, similarity[node]);
+  }
+  const bool at_last = here.similarity >= options_.loop.threshold;  // step 2 of 4.5: still at the last node
+  // Away from where the panorama was scanned bearings err, now to one side, now to the other.
+  if (at_last && !heading_.bias_is_known())
+    heading_.Observe(places_.surroundings_ahead_rad() + places_.BearingOf(here), candidate.heading_rad);
+  if (at_last && max_similarity < options_.clearer * here.similarity) {
+    Forget();
+    return;
+  }
+  const LoopFilter::Belief belief = filter_.Update(similarity, left_out, graph_.links);
+  const double bearing_rad = belief.best < 0 ? 0 : places_.BearingOf(matches[size_t(belief.best)]);
+  Record(belief, candidate.stamp_ns, bearing_rad, view);
+  if (!at_last || belief.best >= 0) Decide(belief.best, candidate.stamp_ns);
+}
+
+void TopoSlam::Decide(int best, int64_t stamp_ns) {
+  streak_ = {best, best == streak_.answer ? streak_.length + 1 : 1};
+  if (streak_.length < options_.persist) return;
+  streak_ = {};
+  if (best < 0 || options_.look_around) {
+    scan_.Ask();
+  } else {
+    CloseLoop(best, stamp_ns);
+  }
 }
 
 void TopoSlam::Record(const LoopFilter::Belief& belief, int64_t stamp_ns, double bearing_rad, const cv::Mat& view) {
   graph_.tests.push_back({stamp_ns, belief.likelihood, belief.posterior, belief.best, bearing_rad, view});
 }
 
-/// From now on views are compared with what was seen here, a step aside of a known place: else the robot would look
-/// around again at once. @param ahead_rad heading of the panorama's middle.
-void TopoSlam::LookFrom(const cv::Mat& panorama, double ahead_rad) {
-  here_ = Here{WaveletMap(options_.wavelet), ahead_rad};
-  here_->map.Add(encoder_.OfPanorama(panorama));
-  heading_offset_rad_ += std::remainder(ahead_rad - ahead_rad_, 2 * std::numbers::pi);
-}
-
-void TopoSlam::AddNode(Panorama panorama) {
-  map_.Add(encoder_.OfPanorama(panorama.image));
-  PlaceNode node;
-  node.stamp_ns = scan_began_ns_;
-  node.bytes = map_.bytes_per_place();
-  node.panorama = panorama.image;
-  graph_.nodes.push_back(node);
-  reckoned_.push_back({steps_.position(), steps_.steps(), ahead_rad_});
-  panorama.image.release();
-  stitches_.push_back(panorama);
-  const int added = int(graph_.nodes.size()) - 1;
-  if (last_ >= 0) graph_.links.push_back({last_, added, false, scan_began_ns_});
-  last_ = added;
-  Forget();
-}
-
-/// Each time it recognises another place (step 4 of 4.5), also along a way that it has gone before.
-void TopoSlam::CloseLoop(int node, int64_t stamp_ns) {
-  if (node != last_) graph_.links.push_back({last_, node, true, stamp_ns});
-  last_ = node;
-  here_.reset();
-  steps_.SetPosition(reckoned_[size_t(node)].position);
-  reckoned_[size_t(node)].visited = steps_.steps();
-  Forget();
+/// Nodes where the robot cannot be: the last one, which no longer fits, and those out of reach.
+std::vector<bool> TopoSlam::LeftOut() const {
+  std::vector<bool> left_out;
+  for (int node = 0; node < places_.size(); ++node) left_out.push_back(node == places_.last() || !gate_.InReach(node));
+  return left_out;
 }
 
 void TopoSlam::Forget() {
   filter_.Reset();
-  streak_ = 0;
-  streak_best_ = -2;
-}
-
-/// A scan ends with the head looking anywhere; it turns back before the robot walks on.
-bool TopoSlam::Rests(const Observation& observation) {
-  if (scanned_ns_ < 0) return false;
-  if (double(observation.stamp_ns - scanned_ns_) * 1e-9 < options_.rest_after_scan_s) return true;
-  const auto on_one_leg = std::count_if(observation.joints.begin(), observation.joints.end(),
-                                        [](const JointSample& s) { return s.left_contact != s.right_contact; });
-  if (!observation.joints.empty() && 2 * size_t(on_one_leg) < observation.joints.size()) return true;
-  scanned_ns_ = -1;
-  return false;
-}
-
-double TopoSlam::Unrest(const Observation& observation) const {
-  if (options_.steady == "double_support" && !observation.joints.empty()) {
-    // Half of the time spent on one leg since the frame before.
-    const auto both = std::count_if(observation.joints.begin(), observation.joints.end(),
-                                    [](const JointSample& s) { return s.left_contact && s.right_contact; });
-    return 1 - double(both) / double(observation.joints.size());
-  }
-  if (options_.steady == "gyro") {
-    // Fastest turn while the shutter was open, as far as it was sensed.
-    double fastest = 0;
-    const double open_ns = 0.5e6 * observation.exposure_ms + 1e7;
-    for (const ImuSample& sample : observation.imu) {
-      if (std::abs(double(sample.stamp_ns - observation.stamp_ns)) <= open_ns)
-        fastest = std::max(fastest, sample.angular_rate.norm());
-    }
-    return fastest;
-  }
-  return 0;
-}
-
-void TopoSlam::Collect(const Observation& observation) {
-  const double unrest = Unrest(observation);
-  if (candidate_ && candidate_->unrest < unrest) return;  // the later of equals
-  candidate_ = Candidate{observation.image.pixels.clone(), up_.up_C(), observation.stamp_ns, unrest, up_.heading_rad()};
-}
-
-/// Nodes that the robot cannot be at: the last one, which no longer fits, and those that it has not come to by its
-/// steps.
-std::vector<bool> TopoSlam::LeftOut() const {
-  std::vector<bool> left_out(map_.size());
-  for (size_t node = 0; node < map_.size(); ++node) {
-    const Reckoned& there = reckoned_[node];
-    const double reach = options_.place_steps + options_.step_error * (steps_.steps() - there.visited);
-    left_out[node] = int(node) == last_ || (steps_.position() - there.position).norm() > reach;
-  }
-  return left_out;
-}
-
-double TopoSlam::HeadingTolerancePx() const {
-  return options_.heading_window_deg * std::numbers::pi / 180 * layout_.px_per_rad();
-}
-
-/// @param ahead_rad heading of the middle of the place's panorama; @param heading_rad of the view's.
-WaveletMatch TopoSlam::Compare(const WaveletView& view, const WaveletMap& map, int place, double ahead_rad,
-                               double heading_rad) const {
-  if (!KnowsHeading()) return map.Query(view, size_t(place));
-  const double middle = layout_.ColumnOf(heading_rad - ahead_rad);
-  return map.Query(view, size_t(place), WaveletWindow{middle - 0.5 * (view.width_px - 1), HeadingTolerancePx()});
-}
-
-/// With the place that was seen all around, or recognised, last.
-WaveletMatch TopoSlam::CompareHere(const WaveletView& view, double heading_rad) const {
-  const WaveletMap& map = here_ ? here_->map : map_;
-  const int place = here_ ? 0 : last_;
-  return heading_is_old_ ? map.Query(view, size_t(place)) : Compare(view, map, place, AheadHere(), heading_rad);
-}
-
-double TopoSlam::AheadHere() const { return here_ ? here_->ahead_rad : reckoned_[size_t(last_)].ahead_rad; }
-
-double TopoSlam::BearingOf(const WaveletMatch& match) const {
-  const double middle = match.left_px + 0.5 * (projection_.width_px() - 1);
-  return std::remainder(layout_.AzimuthOf(middle), 2 * std::numbers::pi);
-}
-
-/// By what the last place shows, where the gyroscope's bias is not known. Away from where it was scanned bearings err,
-/// now to one side, now to the other.
-void TopoSlam::SetHeading(double bearing_rad, double turned_rad) {
-  constexpr double kGain = 0.2;
-  const double seen = AheadHere() + bearing_rad;
-  const double error = std::remainder(seen - (turned_rad + heading_offset_rad_), 2 * std::numbers::pi);
-  heading_offset_rad_ += (heading_is_old_ ? 1 : kGain) * error;
-  heading_is_old_ = false;
-}
-
-void TopoSlam::Test(const Candidate& candidate, FrameEstimate& estimate) {
-  const cv::Mat view = options_.level_views ? projection_.ProjectView(candidate.image, candidate.up_C)
-                                            : projection_.ProjectView(candidate.image);
-  const WaveletView signature = encoder_.OfView(view);
-  const double heading = candidate.heading_rad + heading_offset_rad_;
-  std::vector<WaveletMatch> matches;
-  std::vector<double> similarity;
-  const WaveletMatch here = CompareHere(signature, heading);
-  const WaveletSignature& first = signature.shifts.front();
-  estimate.features = first.columns() * first.bits_per_column();
-  estimate.inliers = int(std::lround((1 - here.disagreement) * estimate.features));
-  for (int node = 0; node < int(map_.size()); ++node) {
-    matches.push_back(Compare(signature, map_, node, reckoned_[size_t(node)].ahead_rad, heading));
-    similarity.push_back(matches.back().similarity);
-  }
-  const std::vector<bool> left_out = LeftOut();
-  double most = 0;
-  for (size_t node = 0; node < map_.size(); ++node) most = left_out[node] ? most : std::max(most, similarity[node]);
-  const bool at_last = here.similarity >= options_.loop.threshold;  // step 2 of 4.5: still at the last node
-  if (at_last && !gyro_bias_.learned()) SetHeading(BearingOf(here), candidate.heading_rad);
-  if (at_last && most < options_.clearer * here.similarity) {
-    Forget();
-    return;
-  }
-  const LoopFilter::Belief belief = filter_.Update(similarity, left_out, graph_.links);
-  Record(belief, candidate.stamp_ns, belief.best < 0 ? 0 : BearingOf(matches[size_t(belief.best)]), view);
-  if (!at_last || belief.best >= 0) Decide(belief.best, candidate.stamp_ns);
-}
-
-void TopoSlam::Decide(int best, int64_t stamp_ns) {
-  streak_ = best == streak_best_ ? streak_ + 1 : 1;
-  streak_best_ = best;
-  if (streak_ < options_.persist) return;
-  streak_ = 0;
-  streak_best_ = -2;
-  if (best < 0 || options_.look_around) {
-    wants_scan_ = true;
-  } else {
-    CloseLoop(best, stamp_ns);
-  }
+  streak_ = {};
 }
 
 std::string TopoSlam::Failure() const {
-  if (!graph_.nodes.empty() && !gave_up_) return {};
-  if (builder_) {
-    return "topo_slam: a scan left " + std::to_string(builder_->missing_deg()) + " of 360 deg unseen, after " +
-           std::to_string(builder_->frames()) + " frames";
-  }
-  return "topo_slam: it asked for a scan and none came: it needs a robot that looks around as it is asked to, not a "
-         "recorded walk";
+  if (!graph_.nodes.empty() && !scan_.failed()) return {};
+  return "topo_slam: " + scan_.MissingText();
 }
 
 }  // namespace gaitcam

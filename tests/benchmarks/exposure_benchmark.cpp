@@ -8,12 +8,12 @@
 #include <chrono>
 #include <memory>
 
-#include "models/place.h"
-#include "models/robot.h"
-#include "sim/camera_rig.h"
-#include "sim/egl_context.h"
-#include "sim/walker.h"
-#include "sim/world.h"
+#include "models/code/robots/robot.h"
+#include "models/code/scenes/scene.h"
+#include "sim/camera/camera_rig.h"
+#include "sim/camera/egl_context.h"
+#include "sim/walking/walker.h"
+#include "sim/world/world.h"
 
 namespace gaitcam {
 namespace {
@@ -28,13 +28,13 @@ class Lab {
   explicit Lab(const CameraOptions& camera)
       : rig_(camera, 1),
         robot_(ReadRobot("khr1hv", GAITCAM_SOURCE_DIR "/models")),
-        place_(ReadPlace("lab", GAITCAM_SOURCE_DIR "/models")),
+        place_(ReadScene("lab", GAITCAM_SOURCE_DIR "/models")),
         world_(robot_, place_, PhysicsOptions(), rig_.WorldCameras(), 1),
         renderer_(world_.model(), rig_.MakeRendererOptions()) {
     const Pose start(RotZ(place_.start.z()), Eigen::Vector3d(place_.start.x(), place_.start.y(), 0));
     const auto walker =
         MakeWalker(robot_, world_.nominal_model(), robot_.gaits.at("normal"), PathOptions(), PhysicsOptions(), start);
-    world_.Place(walker->InitialRoot(), walker->InitialJoints());
+    world_.SetState(walker->InitialRoot(), walker->InitialJoints());
     while (world_.stamp_ns() < 200000000) world_.Step();
   }
 
@@ -49,7 +49,7 @@ class Lab {
  private:
   CameraRig rig_;
   Robot robot_;
-  Place place_;
+  Scene place_;
   World world_;
   Renderer renderer_;
 };

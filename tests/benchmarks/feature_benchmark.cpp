@@ -20,7 +20,7 @@ cv::Mat Film(const cv::Size& size, double extent_px) {
   cv::Mat picture = psf_test::Photograph("graf1.png");
   const double scale = double(size.width + 64) / picture.cols;
   cv::resize(picture, picture, cv::Size(), scale, scale, cv::INTER_AREA);
-  const cv::Mat filmed = psf_test::Blurred(picture, {extent_px, 0.6}, 2, 1, true, size);
+  const cv::Mat filmed = BlurPhotograph(picture, {extent_px, 0.6}, 2, 1, true, size);
   return filmed;
 }
 

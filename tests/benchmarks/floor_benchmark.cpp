@@ -14,8 +14,8 @@
 
 #include "algorithms/planes/floor_filter.h"
 #include "algorithms/planes/floor_tracker.h"
-#include "scenarios/runs/runner.h"
-#include "scenarios/scenario.h"
+#include "scenarios/code/files/scenario.h"
+#include "scenarios/code/runs/runner.h"
 
 namespace gaitcam {
 namespace {
@@ -35,7 +35,7 @@ const Walk& Tabletop() {
   static const Walk walk = [] {
     const ResolvedScenario resolved =
         ReadScenario(GAITCAM_SOURCE_DIR "/scenarios/tabletop_khr1hv.yaml", {"duration_s=15", "gait.preset=normal"});
-    Simulation simulation(resolved.robot, resolved.place, SimulationOptionsOf(resolved.scenario),
+    Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved.scenario),
                           resolved.scenario.seed);
     Walk made{simulation.calibration(), {}};
     while (std::optional<SimulatedFrame> frame = simulation.Next())

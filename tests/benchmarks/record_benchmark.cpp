@@ -16,8 +16,8 @@
 #include <filesystem>
 #include <thread>
 
-#include "scenarios/runs/recorder.h"
-#include "scenarios/scenario.h"
+#include "scenarios/code/files/scenario.h"
+#include "scenarios/code/runs/recorder.h"
 
 namespace gaitcam {
 namespace {
@@ -59,7 +59,7 @@ struct Sum {
 
 /// From the first frame's end to the last one's.
 Cost RenderAlone(const ResolvedScenario& resolved) {
-  Simulation simulation(resolved.robot, resolved.place, SimulationOptionsOf(resolved.scenario), resolved.scenario.seed);
+  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved.scenario), resolved.scenario.seed);
   simulation.Next();
   Cost cost;
   while (simulation.Next()) ++cost.frames;

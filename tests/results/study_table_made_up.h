@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "algorithms/core/random.h"
-#include "results/study_effects.h"
-#include "results/study_report.h"
+#include "results/reports/study_report.h"
+#include "results/scoring/study_effects.h"
 
 namespace gaitcam {
 

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scenarios/folders.h"
-#include "scenarios/runs/recorder.h"
-#include "scenarios/scenario.h"
+#include "scenarios/code/files/folders.h"
+#include "scenarios/code/files/scenario.h"
+#include "scenarios/code/runs/recorder.h"
 
 namespace gaitcam {
 

@@ -7,7 +7,7 @@
 
 #include "algorithms/core/errors.h"
 #include "tests/data_folder.h"
-#include "tests/sim/walk_trial.h"
+#include "tests/sim/walking/walk_trial.h"
 
 namespace gaitcam {
 namespace {
@@ -33,26 +33,26 @@ class StandingRobotTest : public testing::Test {
  protected:
   StandingRobotTest()
       : robot_(ReadShippedRobot("khr1hv_pan")),
-        place_(ReadPlace("plain", TestData() / "models")),
+        scene_(ReadScene("plain", TestData() / "models")),
         options_(Options(robot_)) {}
 
   Robot robot_;
-  Place place_;
+  Scene scene_;
   SimulationOptions options_;
 };
 
 TEST_F(StandingRobotTest, SeesFromWhereItWasPut) {
-  StandingRobot standing(robot_, place_, options_, 1);
+  StandingRobot standing(robot_, scene_, options_, 1);
   for (const Eigen::Vector3d& pose : {Eigen::Vector3d(0.5, -0.3, 30), Eigen::Vector3d(-0.4, 0.2, -120)}) {
     const SimulatedFrame frame = standing.View(pose, 7);
-    EXPECT_LT((frame.truth.X_WB.translation.head<2>() - pose.head<2>()).norm(), 0.02);
-    EXPECT_NEAR(frame.truth.X_WB.Yaw() * 180 / std::numbers::pi, pose.z(), 1);
+    EXPECT_LT((frame.truth.X_WB->translation.head<2>() - pose.head<2>()).norm(), 0.02);
+    EXPECT_NEAR(frame.truth.X_WB->Yaw() * 180 / std::numbers::pi, pose.z(), 1);
     EXPECT_FALSE(frame.observation.scan.has_value());
   }
 }
 
 TEST_F(StandingRobotTest, AScanIsOfItsPoseAndSeedAloneWhateverCameBefore) {
-  StandingRobot one(robot_, place_, options_, 1), two(robot_, place_, options_, 1);
+  StandingRobot one(robot_, scene_, options_, 1), two(robot_, scene_, options_, 1);
   const Eigen::Vector3d here(0.2, 0.1, 10);
   two.View({-1, 0.5, 77}, 3);
   const std::vector<SimulatedFrame> a = one.Scan(here, 5), b = two.Scan(here, 5);
@@ -67,11 +67,11 @@ TEST_F(StandingRobotTest, AScanIsOfItsPoseAndSeedAloneWhateverCameBefore) {
 
 TEST_F(StandingRobotTest, FramesOfAScanAreThoseThatAWholeSimulationFilms) {
   const Eigen::Vector3d here(0.2, 0.1, 10);
-  const std::vector<SimulatedFrame> scan = StandingRobot(robot_, place_, options_, 1).Scan(here, 1);
-  options_.path.kind = "stand";
+  const std::vector<SimulatedFrame> scan = StandingRobot(robot_, scene_, options_, 1).Scan(here, 1);
+  options_.path.kind = PathKind::kStand;
   options_.path.pan_amplitude_rad = 0;
   options_.start = here;
-  Simulation simulation(robot_, place_, options_, 1);
+  Simulation simulation(robot_, scene_, options_, 1);
   simulation.RequestScan();
   size_t found = 0;
   while (const auto frame = simulation.Next()) {
@@ -87,7 +87,7 @@ TEST_F(StandingRobotTest, ARobotThatCannotLookAllAroundIsRefused) {
   options_.camera.hfov_deg = 20;
   Robot stiff = ReadShippedRobot("khr1hv");
   stiff.neck_pan = -1;
-  EXPECT_THROW(StandingRobot(stiff, place_, options_, 1), BadOption);
+  EXPECT_THROW(StandingRobot(stiff, scene_, options_, 1), BadOption);
 }
 
 }  // namespace

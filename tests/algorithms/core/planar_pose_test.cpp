@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
+
 #include "algorithms/core/random.h"
 
 namespace gaitcam {
@@ -31,6 +33,32 @@ TEST(BelowCamera, LeavesHeightAndTiltAlone) {
   const Eigen::Vector3d forward = rest.rotation * Eigen::Vector3d::UnitZ();
   EXPECT_NEAR(forward.y(), 0, 1e-12);  // it looks along x
   EXPECT_GT(forward.x(), 0);
+}
+
+TEST(PlanarCovariance, OfAnInvertedMotionIsThatOfManyDraws) {
+  // As the floor's tracker has it: X_CR comes with a covariance, X_WR is known, X_WC = X_WR X_CR^-1 is asked for.
+  RandomStream random(2, "draws");
+  const Pose X_WR(RotZ(0.7) * RotX(-2.2) * RotZ(0.1), Eigen::Vector3d(1, 2, 0.3));
+  const Pose X_CR(RotX(0.1) * RotY(-0.2), Eigen::Vector3d(0.05, -0.03, 0.2)), X_WC = X_WR * X_CR.Inverse();
+  Matrix6d L;
+  for (int i = 0; i < 36; ++i) L(i / 6, i % 6) = 0.002 * random.Normal();
+  const Eigen::Matrix3d stated = PlanarCovariance(X_WC, CovarianceOfInverse(X_CR, L * L.transpose()));
+  const Eigen::Matrix3d whiten = stated.llt().matrixL().toDenseMatrix().inverse();
+  const double heading = BelowCamera(X_WC).heading;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  constexpr int kDraws = 20000;
+  for (int i = 0; i < kDraws; ++i) {
+    Vector6d z;
+    for (int k = 0; k < 6; ++k) z[k] = random.Normal();
+    const Pose drawn = X_WR * Plus(X_CR, L * z).Inverse();
+    Eigen::Vector3d error;
+    error << Rotate((drawn.translation - X_WC.translation).head<2>(), -heading),
+        LogSo3(drawn.rotation * X_WC.rotation.conjugate()).z();
+    error = whiten * error;
+    sum += error * error.transpose();
+  }
+  // Five standard deviations, sqrt(2 / draws) each; errors of 0.005 rad leave a second order of 1e-4.
+  EXPECT_LT((sum / kDraws - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0.05);
 }
 
 }  // namespace

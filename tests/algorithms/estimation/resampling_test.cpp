@@ -30,11 +30,12 @@ TEST(LowVarianceResample, DrawsEachSampleAsOftenAsItsWeightSaysButForARounding) 
     for (int i = 0; i < 20; ++i) logs.push_back(random.Normal(0, 2));
     const std::vector<double> weights = NormalisedWeights(logs);
     constexpr int kDrawn = 100;
-    const std::vector<int> chosen = LowVarianceResample(weights, kDrawn, random);
-    ASSERT_EQ(chosen.size(), size_t(kDrawn));
-    EXPECT_TRUE(std::is_sorted(chosen.begin(), chosen.end()));
+    const std::vector<int> indices = LowVarianceResample(weights, kDrawn, random);
+    ASSERT_EQ(indices.size(), size_t(kDrawn));
+    EXPECT_TRUE(std::is_sorted(indices.begin(), indices.end()));
     for (int i = 0; i < 20; ++i) {
-      const double count = double(std::count(chosen.begin(), chosen.end(), i)), expected = kDrawn * weights[size_t(i)];
+      const double count = double(std::count(indices.begin(), indices.end(), i)),
+                   expected = kDrawn * weights[size_t(i)];
       EXPECT_GE(count, std::floor(expected - 1e-9));
       EXPECT_LE(count, std::ceil(expected + 1e-9));
     }
@@ -48,8 +49,8 @@ TEST(LowVarianceResample, HasNoFavourites) {
   double sum = 0;
   constexpr int kTrials = 20000;
   for (int trial = 0; trial < kTrials; ++trial) {
-    const std::vector<int> chosen = LowVarianceResample(weights, 10, random);
-    sum += double(std::count(chosen.begin(), chosen.end(), 0));
+    const std::vector<int> indices = LowVarianceResample(weights, 10, random);
+    sum += double(std::count(indices.begin(), indices.end(), 0));
   }
   EXPECT_NEAR(sum / kTrials, 0.13, 4 * 0.5 / std::sqrt(kTrials));
 }

@@ -86,7 +86,7 @@ TEST(BestBinFirst, EqualDescriptorsAreNoTrouble) {
 TEST(BestBinFirst, MatchingIsTheSameAsExactWhereUnlimited) {
   for (const DescriptorSets& sets : {FloatSets(300), BinarySets(300)}) {
     MatchingOptions exact, tree;
-    tree.search = "bbf";
+    tree.search = NeighbourSearch::kBestBinFirst;
     tree.max_candidates = 0;
     const auto expected = MatchDescriptors(sets.a, sets.b, exact), found = MatchDescriptors(sets.a, sets.b, tree);
     ASSERT_EQ(found.size(), expected.size());

@@ -11,7 +11,6 @@ namespace {
 
 using psf_test::BlurredByTurn;
 using psf_test::Photograph;
-using psf_test::VectorError;
 
 constexpr double kFocal = 277;  // 60 degrees over 320 px
 const cv::Size kSize(320, 240);
@@ -20,7 +19,8 @@ template <class VectorAt>
 double MedianError(const cv::Mat& truth, VectorAt&& vector_at) {
   std::vector<double> errors;
   for (int y = 4; y < truth.rows; y += 8) {
-    for (int x = 4; x < truth.cols; x += 8) errors.push_back(VectorError(vector_at(x, y), truth.at<cv::Vec2f>(y, x)));
+    for (int x = 4; x < truth.cols; x += 8)
+      errors.push_back(BlurVectorError(vector_at(x, y), truth.at<cv::Vec2f>(y, x)));
   }
   return UpperMedian(errors);
 }
@@ -64,7 +64,7 @@ TEST(BlurField, VectorsAreThoseOfASmallTurn) {
   field.roll_rad = turn[2];
   double worst = 0;
   for (const auto& [x, y] : {std::pair(0, 0), std::pair(319, 10), std::pair(160, 120), std::pair(40, 239)}) {
-    worst = std::max(worst, VectorError(field.VectorAt({x, y}), truth.at<cv::Vec2f>(y, x)));
+    worst = std::max(worst, BlurVectorError(field.VectorAt({x, y}), truth.at<cv::Vec2f>(y, x)));
   }
   EXPECT_LT(worst, 0.01);  // third order in the angle
 }
@@ -88,7 +88,7 @@ TEST(BlurField, RegionsCoverTheImageAndVaryLittle) {
 
 TEST(BlurField, AUniformBlurIsOneRegion) {
   cv::Mat truth;
-  const cv::Mat image = psf_test::Blurred(Photograph("graf1.png"), {16, 0.7}, 1, 1, false, kSize);
+  const cv::Mat image = BlurPhotograph(Photograph("graf1.png"), {16, 0.7}, 1, 1, false, kSize);
   const std::vector<BlurRegion> regions = SegmentBlurField(image);
   ASSERT_LE(regions.size(), 2u);
   for (const BlurRegion& r : regions) {

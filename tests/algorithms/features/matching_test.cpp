@@ -88,11 +88,11 @@ TEST(Matching, StrategiesDifferInWhatTheyAskFor) {
   EXPECT_EQ(MatchDescriptors(a, b, options).size(), 1u);  // 3 of 4 is 0.75
   options.ratio = 0.7;
   EXPECT_EQ(MatchDescriptors(a, b, options).size(), 0u);
-  options.strategy = "nn";
+  options.strategy = MatchStrategy::kNearest;
   EXPECT_EQ(MatchDescriptors(a, b, options).size(), 1u);
   options.max_distance = 2.9;
   EXPECT_EQ(MatchDescriptors(a, b, options).size(), 0u);
-  options.strategy = "threshold";
+  options.strategy = MatchStrategy::kThreshold;
   options.max_distance = 4.1;
   const auto all_near = MatchDescriptors(a, b, options);
   ASSERT_EQ(all_near.size(), 2u);

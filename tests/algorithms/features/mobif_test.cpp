@@ -202,7 +202,7 @@ TEST(Mobif, RefusesUnknownEstimatorsAndLight) {
   options.psf = "spectrall";
   EXPECT_THROW(MakeMobif(options), BadInput);
   options = {};
-  options.light = "logarithmic";
+  options.light = static_cast<BlurDomain>(3);
   EXPECT_THROW(MakeMobif(options), BadOption);
 }
 

@@ -34,7 +34,7 @@ cv::Mat BlurAndCrop(const cv::Mat& grey, const LineBlur& blur, int margin_px) {
   cv::Mat values, cropped;
   grey.convertTo(values, CV_32F);
   if (blur.extent_px > 0)
-    cv::filter2D(values.clone(), values, CV_32F, psf_test::LineKernel(blur), {-1, -1}, 0, cv::BORDER_REFLECT_101);
+    cv::filter2D(values.clone(), values, CV_32F, LineBlurKernel(blur), {-1, -1}, 0, cv::BORDER_REFLECT_101);
   values(cv::Rect(margin_px, margin_px, grey.cols - 2 * margin_px, grey.rows - 2 * margin_px))
       .convertTo(cropped, CV_8U);
   return cropped;

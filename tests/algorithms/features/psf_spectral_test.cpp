@@ -4,16 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/units.h"
 #include "tests/algorithms/features/psf_fixtures.h"
 
 namespace gaitcam {
 namespace {
 
-using psf_test::Blurred;
 using psf_test::Photograph;
 using psf_test::PhotographNames;
-
-constexpr double kDegree = M_PI / 180;
 
 struct Count {
   int all = 0, good = 0, close = 0, blurred = 0;
@@ -28,11 +26,11 @@ Count EstimateAll(const std::vector<double>& extents, double noise, bool linear_
     const cv::Mat photograph = Photograph(name);
     for (const double extent : extents) {
       const LineBlur truth{extent, random.Uniform(0, M_PI)};
-      const BlurEstimate e = psf.EstimateWhole(Blurred(photograph, truth, noise, 1, linear_light, size));
+      const BlurEstimate e = psf.EstimateWhole(BlurPhotograph(photograph, truth, noise, 1, linear_light, size));
       const double direction = e.blur.DirectionError(truth), length = std::abs(e.blur.extent_px - extent);
       ++count.all;
-      count.good += direction <= kDegree && length <= 0.5;
-      count.close += direction <= 5 * kDegree && length <= 2;
+      count.good += direction <= kRadPerDeg && length <= 0.5;
+      count.close += direction <= 5 * kRadPerDeg && length <= 2;
       count.blurred += e.blurred;
     }
   }
@@ -76,15 +74,15 @@ TEST(SpectralPsf, WorksInAQuarterOfTheImage) {
 TEST(SpectralPsf, LooksAtItsRegionAlone) {
   const cv::Mat photograph = Photograph("graf1.png");
   const LineBlur left{24, 0.4}, right{15, 1.9};
-  cv::Mat both = Blurred(photograph, left, 0, 1);
+  cv::Mat both = BlurPhotograph(photograph, left, 0, 1);
   const cv::Rect half(320, 0, 320, 480);
-  Blurred(photograph, right, 0, 1)(half).copyTo(both(half));
+  BlurPhotograph(photograph, right, 0, 1)(half).copyTo(both(half));
   const SpectralPsf psf;
   const BlurEstimate a = psf.Estimate(both, {0, 0, 320, 480}), b = psf.Estimate(both, half);
   EXPECT_NEAR(a.blur.extent_px, left.extent_px, 1);
   EXPECT_NEAR(b.blur.extent_px, right.extent_px, 1);
-  EXPECT_LT(a.blur.DirectionError(left), 2 * kDegree);
-  EXPECT_LT(b.blur.DirectionError(right), 2 * kDegree);
+  EXPECT_LT(a.blur.DirectionError(left), 2 * kRadPerDeg);
+  EXPECT_LT(b.blur.DirectionError(right), 2 * kRadPerDeg);
 }
 
 TEST(SpectralPsf, SaysNothingOfEmptyImages) {
@@ -98,7 +96,7 @@ TEST(SpectralPsf, SaysNothingOfEmptyImages) {
 }
 
 TEST(SpectralPsf, GivesTheSameBitsWhateverTheNumberOfThreads) {
-  const cv::Mat image = Blurred(Photograph("home.jpg"), {17, 1.1}, 2, 1);
+  const cv::Mat image = BlurPhotograph(Photograph("home.jpg"), {17, 1.1}, 2, 1);
   const int before = cv::getNumThreads();
   std::vector<BlurEstimate> estimates;
   for (const int threads : {1, 2, 4}) {

@@ -3,15 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/units.h"
 #include "tests/algorithms/features/psf_fixtures.h"
 
 namespace gaitcam {
 namespace {
 
-using psf_test::Blurred;
 using psf_test::Photograph;
-
-constexpr double kDegree = M_PI / 180;
 
 /// Independent grey levels: what the method assumes of an image.
 cv::Mat Speckle(int width, int height) {
@@ -25,9 +23,9 @@ cv::Mat Speckle(int width, int height) {
 
 TEST(WhiteningPsf, FindsTheBlurOfAnImageWithoutStructure) {
   // Bins are 5 degrees wide, so the interpolated direction is good to about a tenth of that.
-  for (const LineBlur truth : {LineBlur{12, 0}, LineBlur{20, 45 * kDegree}, LineBlur{16, 110 * kDegree}}) {
-    const BlurEstimate e = WhiteningPsf().EstimateWhole(Blurred(Speckle(700, 540), truth, 0, 1));
-    EXPECT_LT(e.blur.DirectionError(truth), 1.5 * kDegree) << truth.extent_px;
+  for (const LineBlur truth : {LineBlur{12, 0}, LineBlur{20, 45 * kRadPerDeg}, LineBlur{16, 110 * kRadPerDeg}}) {
+    const BlurEstimate e = WhiteningPsf().EstimateWhole(BlurPhotograph(Speckle(700, 540), truth, 0, 1));
+    EXPECT_LT(e.blur.DirectionError(truth), 1.5 * kRadPerDeg) << truth.extent_px;
     EXPECT_NEAR(e.blur.extent_px, truth.extent_px, 1);
     EXPECT_TRUE(e.blurred);
     EXPECT_GT(e.confidence, 0.2);  // 0.25 to 0.8: slanted lines are interpolated, which correlates neighbours
@@ -37,15 +35,15 @@ TEST(WhiteningPsf, FindsTheBlurOfAnImageWithoutStructure) {
 TEST(WhiteningPsf, MeasuresTheExtentAlongAKnownDirectionOfAPhotograph) {
   for (const double extent : {15.0, 20.0, 30.0}) {
     const LineBlur truth{extent, 0.5};
-    const cv::Mat image = Blurred(Photograph("graf1.png"), truth, 0, 1);
+    const cv::Mat image = BlurPhotograph(Photograph("graf1.png"), truth, 0, 1);
     EXPECT_NEAR(WhiteningPsf().EstimateExtent(image, {}, truth.direction_rad).blur.extent_px, extent, 1.5);
   }
 }
 
 TEST(WhiteningPsf, DerivativesAreLeastAlongTheBlur) {
-  const LineBlur truth{20, 60 * kDegree};
+  const LineBlur truth{20, 60 * kRadPerDeg};
   cv::Mat values;
-  Blurred(Speckle(500, 400), truth, 0, 1).convertTo(values, CV_32F);
+  BlurPhotograph(Speckle(500, 400), truth, 0, 1).convertTo(values, CV_32F);
   const std::vector<double> bins = DirectionalDerivatives(values, {{0, 0}, values.size()}, 36, 5);
   ASSERT_EQ(bins.size(), 36u);
   EXPECT_EQ(std::min_element(bins.begin(), bins.end()) - bins.begin(), 12);  // 60 degrees
@@ -55,14 +53,14 @@ TEST(WhiteningPsf, LeastDirectionLiesOnTheParabolaAndWrapsAround) {
   // A parabola with its least value at bin -0.25 of 4: 180 - 0.25 * 45 degrees.
   std::vector<double> bins;
   for (const double b : {0.0, 1.0, 2.0, -1.0}) bins.push_back((b + 0.25) * (b + 0.25));
-  EXPECT_NEAR(LeastDirection(bins), (180 - 0.25 * 45) * kDegree, 1e-12);
+  EXPECT_NEAR(LeastDirection(bins), (180 - 0.25 * 45) * kRadPerDeg, 1e-12);
 }
 
 TEST(WhiteningPsf, LooksAtMaskedPixelsAlone) {
   const cv::Mat speckle = Speckle(700, 400);
-  cv::Mat both = Blurred(speckle, {25, 0}, 0, 1, false, {640, 360});
+  cv::Mat both = BlurPhotograph(speckle, {25, 0}, 0, 1, false, {640, 360});
   const cv::Rect right(320, 0, 320, both.rows);
-  Blurred(speckle, {12, 0}, 0, 1, false, {640, 360})(right).copyTo(both(right));
+  BlurPhotograph(speckle, {12, 0}, 0, 1, false, {640, 360})(right).copyTo(both(right));
   cv::Mat mask(both.size(), CV_8UC1, cv::Scalar(0));
   mask(right).setTo(255);
   EXPECT_NEAR(WhiteningPsf().EstimateExtent(both, mask, 0).blur.extent_px, 12, 0.7);

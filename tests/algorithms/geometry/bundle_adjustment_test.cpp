@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "algorithms/core/random.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/geometry/inverse_depth.h"
 
 namespace gaitcam {
@@ -14,8 +15,8 @@ Pose Moved(const Pose& pose, RandomStream& random, double turn, double shift) {
   const auto noise = [&](double s) {
     return Eigen::Vector3d(random.Normal(0, s), random.Normal(0, s), random.Normal(0, s));
   };
-  const Eigen::Vector3d w = noise(turn);
-  return pose * Pose(Eigen::Quaterniond(Eigen::AngleAxisd(w.norm(), w.normalized())), noise(shift));
+  const Eigen::Quaterniond rotation = ExpSo3(noise(turn));
+  return pose * Pose(rotation, noise(shift));
 }
 
 TEST(InverseDepth, DerivativesAreThoseOfFiniteDifferences) {
@@ -25,21 +26,13 @@ TEST(InverseDepth, DerivativesAreThoseOfFiniteDifferences) {
   const double rho = 0.4, h = 1e-6;
   const auto at = LinearizeInverseDepth(A, xy, rho, C);
   ASSERT_TRUE(at);
-  const auto turned = [&](const Pose& pose, int k, double s) {
-    Pose moved = pose;
-    if (k < 3) {
-      moved.rotation = pose.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(s, Eigen::Vector3d::Unit(k)));
-    } else {
-      moved.translation += s * Eigen::Vector3d::Unit(k - 3);
-    }
-    return moved;
-  };
+  const auto moved = [](const Pose& pose, int k, double s) { return Plus(pose, s * Vector6d::Unit(k)); };
   for (int k = 0; k < 6; ++k) {
     const Eigen::Vector2d anchor =
-        (*ProjectInverseDepth(turned(A, k, h), xy, rho, C) - *ProjectInverseDepth(turned(A, k, -h), xy, rho, C)) /
+        (*ProjectInverseDepth(moved(A, k, h), xy, rho, C) - *ProjectInverseDepth(moved(A, k, -h), xy, rho, C)) /
         (2 * h);
     const Eigen::Vector2d camera =
-        (*ProjectInverseDepth(A, xy, rho, turned(C, k, h)) - *ProjectInverseDepth(A, xy, rho, turned(C, k, -h))) /
+        (*ProjectInverseDepth(A, xy, rho, moved(C, k, h)) - *ProjectInverseDepth(A, xy, rho, moved(C, k, -h))) /
         (2 * h);
     EXPECT_LT((anchor - at->d_anchor.col(k)).norm(), 1e-7) << k;  // central differences of step 1e-6
     EXPECT_LT((camera - at->d_camera.col(k)).norm(), 1e-7) << k;

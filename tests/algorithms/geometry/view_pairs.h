@@ -10,6 +10,7 @@
 #include "algorithms/core/median.h"
 #include "algorithms/core/pose.h"
 #include "algorithms/core/random.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/geometry/epipolar.h"
 
 namespace gaitcam {
@@ -57,7 +58,7 @@ inline Pose RandomMotion(uint64_t seed) {
 
 inline Eigen::Matrix3d TrueEssential(const Pose& X_AB) {
   const Pose X_BA = X_AB.Inverse();
-  return CrossMatrix(X_BA.translation.normalized()) * X_BA.R();
+  return Hat(X_BA.translation.normalized()) * X_BA.R();
 }
 
 // Distance of two essential matrices of norm sqrt 2, whose sign means nothing.

@@ -39,6 +39,7 @@ Calibration FullCalibration() {
   calibration.X_LR = Pose(Eigen::Quaterniond(1, 0.1, -0.2, 0.3), {1.0 / 7, -0.001 / 3, 1e-5});
   calibration.has_depth = true;
   calibration.frame_rate_hz = 30.1 / 3;
+  calibration.readout_ms = 25.0 / 7;
   calibration.imu = {200.0 / 3, 1.7e-4 / 3, 2e-5 / 7,
                      2e-3 / 3,  3e-3 / 7,   Pose(Eigen::Quaterniond(0.3, 0.1, -0.2, 1), {0.1 / 3, 0.2 / 7, -0.3})};
   return calibration;
@@ -108,6 +109,7 @@ void ExpectSame(const Calibration& a, const Calibration& b) {
   ExpectSame(a.X_LR, b.X_LR);
   EXPECT_EQ(a.has_depth, b.has_depth);
   EXPECT_EQ(a.frame_rate_hz, b.frame_rate_hz);
+  EXPECT_EQ(a.readout_ms, b.readout_ms);
   EXPECT_EQ(a.imu.rate_hz, b.imu.rate_hz);
   EXPECT_EQ(a.imu.gyro_noise_density, b.imu.gyro_noise_density);
   EXPECT_EQ(a.imu.gyro_random_walk, b.imu.gyro_random_walk);
@@ -144,9 +146,9 @@ void ExpectSame(const Observation& a, const Observation& b) {
   }
 }
 
-FrameTruthRecord SomeTruth(const Observation& o) {
+FilmedTruth SomeTruth(const Observation& o) {
   RandomStream random(uint64_t(o.stamp_ns), "truth");
-  FrameTruthRecord truth;
+  FilmedTruth truth;
   const auto pose = [&] {
     return Pose(Eigen::Quaterniond(random.Normal(), random.Normal(), random.Normal(), random.Normal()),
                 {random.Normal(), random.Normal(), random.Normal()});
@@ -154,7 +156,7 @@ FrameTruthRecord SomeTruth(const Observation& o) {
   truth.X_WC = pose();
   truth.X_WC_open = pose();
   truth.X_WC_close = pose();
-  truth.subposes = {{o.stamp_ns - 1000, 0.25, pose()}, {o.stamp_ns + 1000, 0.75, pose()}};
+  truth.subframes = {{o.stamp_ns - 1000, 0.25, pose()}, {o.stamp_ns + 1000, 0.75, pose()}};
   truth.sharp = RandomImage(random, CV_8UC3);
   truth.depth = RandomDepth(random, 5);
   truth.blur = cv::Mat(kHeight, kWidth, CV_32FC2, cv::Scalar(3.25, -1.5));
@@ -254,10 +256,10 @@ TEST_P(BothFormats, TruthIsWrittenBesideInFull) {
   TextTable subposes(truth / "subposes.csv", ','), frames(truth / "frames.csv", ',');
   TextTable sharp(truth / "sharp.txt", ' '), blur(truth / "blur.txt", ' '), depth(truth / "depth.txt", ' ');
   for (size_t k = 0; k < 3; ++k) {
-    const FrameTruthRecord expected = SomeTruth(written[k]);
+    const FilmedTruth expected = SomeTruth(written[k]);
     EXPECT_EQ(poses[k].stamp_ns, written[k].stamp_ns);
     ExpectSame(poses[k].pose, expected.X_WC);
-    for (const auto& sub : expected.subposes) {
+    for (const auto& sub : expected.subframes) {
       ASSERT_TRUE(subposes.Next());
       EXPECT_EQ(subposes.Integer(0, "stamp"), written[k].stamp_ns);
       EXPECT_EQ(subposes.Integer(1, "stamp"), sub.stamp_ns);
@@ -267,7 +269,7 @@ TEST_P(BothFormats, TruthIsWrittenBesideInFull) {
     }
     ASSERT_TRUE(frames.Next() && sharp.Next() && blur.Next() && depth.Next());
     EXPECT_EQ(frames.size(), 29u);
-    EXPECT_EQ(frames.Number(1, "X_WC_open_x"), expected.X_WC_open->translation.x());
+    EXPECT_EQ(frames.Number(1, "X_WC_open_x"), expected.X_WC_open.translation.x());
     EXPECT_EQ(frames.Text(28, "X_WB_qw"), "");  // not given
     EXPECT_TRUE(SameBits(ReadImage(truth / sharp.Text(1, "file"), ""), expected.sharp));
     EXPECT_EQ(blur.SecondsAsNs(0, "stamp"), written[k].stamp_ns);
@@ -528,6 +530,19 @@ TEST_F(Datasets, SpoiltCalibrationsAreNamedWithTheirLine) {
   Spoil(sensor, "fisheye", "pinhole");
   Spoil(sensor, "data: [1", "data: [2");
   EXPECT_THAT(ReadAllRefused(), HasSubstr("not a rotation matrix"));
+}
+
+TEST_F(Datasets, ACalibrationThatDoesNotSayTheReadoutMeansAGlobalShutter) {
+  Calibration rolling = MonoCalibration();
+  rolling.readout_ms = 12;
+  Record(rolling, SomeObservations(rolling, 1), {DatasetFormat::kTum});
+  const fs::path file = folder_ / "walk" / "calibration.yaml";
+  EXPECT_EQ(ReadCalibration(file).readout_ms, 12);
+  Spoil(file, "readout_ms: 12", "readout_ms: -1");
+  EXPECT_THAT(ErrorOf<BadInput>([&] { ReadCalibration(file); }),
+              HasSubstr("readout_ms: expected a time of at least 0"));
+  Spoil(file, "readout_ms: -1", "");
+  EXPECT_EQ(ReadCalibration(file).readout_ms, 0);
 }
 
 TEST_F(Datasets, AFolderThatIsNoneIsSaid) {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tinyxml.h>
+#include <tinyxml2.h>
 
 #include <fstream>
 
@@ -45,12 +45,12 @@ TEST_F(GraphMl, NeedsNoPositions) {
 
 TEST_F(GraphMl, DeclaresEveryKeyThatItUses) {
   WritePlaceGraph(folder_ / "map.graphml", SomeGraph(), {{0, 0}, {1, 0}, {2, 0}});
-  TiXmlDocument document;
-  ASSERT_TRUE(document.LoadFile((folder_ / "map.graphml").string().c_str()));
-  const TiXmlElement* root = document.RootElement();
+  tinyxml2::XMLDocument document;
+  ASSERT_EQ(document.LoadFile((folder_ / "map.graphml").string().c_str()), tinyxml2::XML_SUCCESS);
+  const tinyxml2::XMLElement* root = document.RootElement();
   EXPECT_STREQ(root->Attribute("xmlns"), "http://graphml.graphdrawing.org/xmlns");
   std::vector<std::string> keys;
-  for (const TiXmlElement* key = root->FirstChildElement("key"); key; key = key->NextSiblingElement("key"))
+  for (const tinyxml2::XMLElement* key = root->FirstChildElement("key"); key; key = key->NextSiblingElement("key"))
     keys.push_back(key->Attribute("id"));
   EXPECT_THAT(keys, testing::UnorderedElementsAre("stamp_ns", "bytes", "x_m", "y_m", "loop"));
 }

@@ -9,13 +9,6 @@
 namespace gaitcam {
 namespace {
 
-Calibration OneCamera() {
-  Calibration calibration;
-  calibration.camera = kCamera;
-  calibration.frame_rate_hz = 30;
-  return calibration;
-}
-
 MobifVoPlusOptions Fast() {
   MobifVoPlusOptions options;
   options.feature = "sift";

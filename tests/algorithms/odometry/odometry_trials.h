@@ -19,6 +19,13 @@ namespace gaitcam {
 // Small, so that the tests are fast: 208 px focal length.
 inline const CameraModel kCamera = CameraModel::FromHorizontalFov(240, 180, 60);
 
+inline Calibration OneCamera() {
+  Calibration calibration;
+  calibration.camera = kCamera;
+  calibration.frame_rate_hz = 30;
+  return calibration;
+}
+
 inline const SyntheticScene& Room() {
   static const SyntheticScene room(1);
   return room;

@@ -1,6 +1,6 @@
 #include <array>
 
-#include "algorithms/odometry/frame_to_frame_vo.h"
+#include "algorithms/odometry/keyframe_vo.h"
 #include "algorithms/odometry/mobif_vo_plus.h"
 #include "tests/algorithms/odometry/odometry_trials.h"
 
@@ -59,7 +59,7 @@ void ExpectNoUnmarkedJump(const std::vector<FrameEstimate>& frames, const std::s
     if (last && !frame.restarted) {
       const double apart_s = double(frame.stamp_ns - last->stamp_ns) * 1e-9;
       EXPECT_LT((frame.pose->translation - last->pose->translation).norm(),
-                4 * LandmarkPoseOptions().usual_speed * 2 * apart_s)
+                4 * LandmarkLocalizerOptions().usual_speed * 2 * apart_s)
           << which << ", at " << double(frame.stamp_ns) * 1e-9 << " s";
     }
     last = &frame;
@@ -71,7 +71,7 @@ Estimate ExpectNoUnmarkedJump(Odometry& vo, const Ordeal& ordeal) {
   const Estimate live = TrackAll(vo, ordeal.film.frames);
   for (int i = kJumpAt - 5; i < kJumpAt; ++i) EXPECT_TRUE(live.frames[size_t(i)].pose) << "the film begins well";
   ExpectNoUnmarkedJump(live.frames, "live");
-  ExpectNoUnmarkedJump(vo.Finish(), "final word");
+  ExpectNoUnmarkedJump(vo.Finish(), "final estimate");
   return live;
 }
 
@@ -90,19 +90,16 @@ class EveryOrdeal : public testing::TestWithParam<size_t> {
   }
 };
 
-TEST_P(EveryOrdeal, MakesNoUnmarkedJumpInPairs) {
-  FrameToFrameVo vo(kCamera, FrameToFrameVoOptions::WithFeature("sift", 4), 1);
+TEST_P(EveryOrdeal, MakesNoUnmarkedJump) {
+  KeyframeVo vo(OneCamera(), KeyframeVoOptions::WithFeature("sift", 4), 1);
   ExpectFoundAgain(ExpectNoUnmarkedJump(vo, ordeal()));
 }
 
 TEST_P(EveryOrdeal, MakesNoUnmarkedJumpInAMap) {
-  Calibration calibration;
-  calibration.camera = kCamera;
-  calibration.frame_rate_hz = 30;
   MobifVoPlusOptions options;
   options.feature = "sift";
   options.max_features = 400;
-  MobifVoPlus vo(calibration, options, 1);
+  MobifVoPlus vo(OneCamera(), options, 1);
   ExpectFoundAgain(ExpectNoUnmarkedJump(vo, ordeal()));
 }
 

@@ -12,8 +12,8 @@ std::vector<bool> Any(size_t nodes) { return std::vector<bool>(nodes, false); }
 
 LoopFilterOptions Thesis() {
   LoopFilterOptions options;
-  options.likelihood = "similarity";
-  options.transition = "uniform";
+  options.likelihood = LoopLikelihood::kSimilarity;
+  options.transition = LoopTransition::kUniform;
   options.threshold = 2;
   return options;
 }
@@ -32,7 +32,7 @@ TEST(LoopFilter, IsTheHandComputedPosteriorOfEquation46) {
 }
 
 TEST(LoopFilter, BelievesInNoLoopBelowTheThreshold) {
-  for (const std::string likelihood : {"similarity", "bits"}) {
+  for (const auto likelihood : {LoopLikelihood::kSimilarity, LoopLikelihood::kBits}) {
     LoopFilterOptions options = Thesis();
     options.likelihood = likelihood;
     EXPECT_EQ(LoopFilter(options).Update({1.5, 1.99, 1.2}, Any(3), {}).best, -1);
@@ -43,7 +43,7 @@ TEST(LoopFilter, BelievesInNoLoopBelowTheThreshold) {
 
 TEST(LoopFilter, WeighsBitsByTheirBinomialLikelihoodRatio) {
   LoopFilterOptions options = Thesis();
-  options.likelihood = "bits";
+  options.likelihood = LoopLikelihood::kBits;
   options.sharpness = 40;
   // Shares of bits that differ: 1/(2 sim) = 0.2 and 0.3; the threshold's is 0.25.
   const LoopFilter::Belief belief = LoopFilter(options).Update({2.5, 0.5 / 0.3}, Any(2), {});
@@ -54,7 +54,7 @@ TEST(LoopFilter, WeighsBitsByTheirBinomialLikelihoodRatio) {
 
 TEST(LoopFilter, KeepsProbabilityNearItsNeighboursAndLetsAShareGoAnywhere) {
   LoopFilterOptions options = Thesis();
-  options.transition = "neighbours";
+  options.transition = LoopTransition::kNeighbours;
   options.teleport = 0.2;
   LoopFilter filter(options);
   const std::vector<PlaceLink> links = {{0, 1, false, 0}, {1, 2, false, 0}};
@@ -72,7 +72,7 @@ TEST(LoopFilter, KeepsProbabilityNearItsNeighboursAndLetsAShareGoAnywhere) {
 
 TEST(LoopFilter, TakesNewNodesIn) {
   LoopFilterOptions options = Thesis();
-  options.transition = "neighbours";
+  options.transition = LoopTransition::kNeighbours;
   LoopFilter filter(options);
   filter.Update({4}, Any(1), {});
   const LoopFilter::Belief belief = filter.Update({1, 400}, {true, false}, {{0, 1, false, 0}});
@@ -85,7 +85,7 @@ TEST(LoopFilter, OptionsAreChecked) {
   options.threshold = 0.5;
   EXPECT_THROW(LoopFilter{options}, BadOption);
   options = {};
-  options.transition = "any";
+  options.transition = static_cast<LoopTransition>(2);
   EXPECT_THROW(LoopFilter{options}, BadOption);
 }
 

@@ -1,4 +1,4 @@
-/// A floor of known texture, seen by an ideal camera whose way is known: what tests of the floor's tracker and map see.
+/// Images of a floor of known texture by an ideal camera at known poses.
 
 #pragma once
 
@@ -16,13 +16,14 @@
 
 namespace gaitcam {
 
-/// Waves of 6 to 50 cm, no shorter than what the small camera resolves: no place looks like another.
+/// Waves of random directions and phases, so that no position looks like another.
 class DrawnFloor {
  public:
-  explicit DrawnFloor(uint64_t seed) {
+  /// @param min_wave_m the shortest of the waves, whose longest is 50 cm: no shorter than what the camera resolves.
+  explicit DrawnFloor(uint64_t seed, double min_wave_m = 0.06) {
     RandomStream random(seed, "floor");
     for (int i = 0; i < 14; ++i) {
-      const double length_m = std::exp(random.Uniform(std::log(0.06), std::log(0.5)));
+      const double length_m = std::exp(random.Uniform(std::log(min_wave_m), std::log(0.5)));
       const double angle = random.Uniform(0, 2 * std::numbers::pi), phase = random.Uniform(0, 2 * std::numbers::pi);
       waves_.push_back({2 * std::numbers::pi / length_m * Eigen::Vector2d(std::cos(angle), std::sin(angle)), phase});
     }
@@ -62,29 +63,48 @@ inline Calibration DrawnCalibration() {
   return calibration;
 }
 
-/// What a point of the picture shows where something else than the floor is seen: given the ray from X_WC, the distance
-/// along it and what is seen, or nothing.
+/// Grey level where something else than the floor is visible along a ray from X_WC, or nothing.
 using Obstacle = std::function<std::optional<double>(const Pose& X_WC, const Eigen::Vector3d& ray_W)>;
 
-/// Mean over the poses of an exposure; sky is grey. CV_8UC1.
-inline cv::Mat Draw(const DrawnFloor& floor, const std::vector<Pose>& exposure, double noise_grey = 0,
-                    uint64_t seed = 1, const Obstacle& obstacle = nullptr) {
-  const CameraModel camera = SmallCamera();
-  RandomStream random(seed, "noise");
+struct DrawOptions {
+  CameraModel camera = SmallCamera();
+  double noise_grey = 0;  ///< Standard deviation.
+  uint64_t seed = 1;      ///< Of the noise.
+  int samples = 1;        ///< Per pixel, along each side.
+  Obstacle obstacle = {};
+};
+
+/// Grey level of one ray; sky, and floor farther than 6 m, is 128.
+inline double Shade(const DrawnFloor& floor, const Pose& X_WC, const Eigen::Vector3d& ray, const Obstacle& obstacle) {
+  const double distance = ray.z() < 0 ? -X_WC.translation.z() / ray.z() : 1e9;
+  const std::optional<double> other = obstacle ? obstacle(X_WC, ray) : std::nullopt;
+  return other ? *other : distance > 6 ? 128 : floor.At((X_WC.translation + distance * ray).head<2>());
+}
+
+/// Mean over the poses of an exposure. CV_8UC1.
+inline cv::Mat Draw(const DrawnFloor& floor, const std::vector<Pose>& exposure, const DrawOptions& options) {
+  RandomStream random(options.seed, "noise");
+  const CameraModel& camera = options.camera;
+  const int n = options.samples;
   cv::Mat image(camera.height_px, camera.width_px, CV_8UC1);
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
       double sum = 0;
-      for (const Pose& X_WC : exposure) {
-        const Eigen::Vector3d ray = X_WC.rotation * camera.Unproject({double(u), double(v)});
-        const double distance = ray.z() < 0 ? -X_WC.translation.z() / ray.z() : 1e9;
-        const std::optional<double> other = obstacle ? obstacle(X_WC, ray) : std::nullopt;
-        sum += other ? *other : distance > 6 ? 128 : floor.At((X_WC.translation + distance * ray).head<2>());
+      for (int sample = 0; sample < n * n; ++sample) {
+        const Eigen::Vector2d pixel(u + (sample % n + 0.5) / n - 0.5, v + (sample / n + 0.5) / n - 0.5);
+        const Eigen::Vector3d ray_C = camera.Unproject(pixel);
+        for (const Pose& X_WC : exposure) sum += Shade(floor, X_WC, X_WC.rotation * ray_C, options.obstacle);
       }
-      image.at<uchar>(v, u) = cv::saturate_cast<uchar>(sum / double(exposure.size()) + noise_grey * random.Normal());
+      const double mean = sum / (n * n * double(exposure.size()));
+      image.at<uchar>(v, u) = cv::saturate_cast<uchar>(mean + options.noise_grey * random.Normal());
     }
   }
   return image;
+}
+
+inline cv::Mat Draw(const DrawnFloor& floor, const std::vector<Pose>& exposure, double noise_grey = 0,
+                    uint64_t seed = 1, const Obstacle& obstacle = nullptr) {
+  return Draw(floor, exposure, DrawOptions{SmallCamera(), noise_grey, seed, 1, obstacle});
 }
 
 inline Observation Observe(const cv::Mat& image, int frame, double exposure_ms = 0) {

@@ -23,19 +23,19 @@ FloorPatch Seen(const DrawnFloor& floor, const PlanarPose& below, uint64_t seed)
                         options.range_heights * kDrawnHeight_m, options.match_points);
 }
 
-/// Once round a circle of 3 m, and on over what was seen at first.
+/// A circle of 3 m circumference, more than once round.
 PlanarPose Round(int step) {
   const double radius_m = 3 / (2 * std::numbers::pi), angle = 2 * std::numbers::pi * step / 30;
   return {{radius_m * std::sin(angle), radius_m * (1 - std::cos(angle))}, angle};
 }
 
 struct Walked {
-  double error_m = 0, path_error_m = 0;  ///< At the end; the largest of the smoothed way.
-  double chained_error_m = 0;            ///< At the end, of the motions alone.
+  double error_m = 0, path_error_m = 0;  ///< At the end; largest along the smoothed trajectory.
+  double chained_error_m = 0;            ///< At the end, of the composed motions.
   int loops = 0;
 };
 
-/// Motions are off by 0.5 % of the way and a slow turn: their sum misses the beginning by centimetres.
+/// Motions have 0.5 % of noise and a bias in heading: composed, they miss the beginning by centimetres.
 Walked Walk(uint64_t seed, bool see, int steps = 36) {
   const DrawnFloor floor(7);
   FloorFilter filter(Options(), seed);
@@ -60,7 +60,7 @@ Walked Walk(uint64_t seed, bool see, int steps = 36) {
   return walked;
 }
 
-TEST(FloorFilter, KnownFloorHalvesTheErrorOfTheWayAtLeast) {
+TEST(FloorFilter, LoopClosuresHalveTheErrorAtLeast) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     const Walked walked = Walk(seed, true);
     EXPECT_GT(walked.chained_error_m, 0.01);
@@ -71,9 +71,9 @@ TEST(FloorFilter, KnownFloorHalvesTheErrorOfTheWayAtLeast) {
   }
 }
 
-TEST(FloorFilter, AfterALossItIsUnsureUntilItFindsItsPlaceAgain) {
-  // For a while it sees no floor, and what it believes then is off by half a metre and 20 degrees, and it says that it
-  // may be. The circle leads back to where it began.
+TEST(FloorFilter, AfterALossTheSubmapIsUncertainUntilItIsFoundInTheMap) {
+  // It sees no floor for a while; then the motion is off by half a metre and 20 degrees, as its covariance allows. The
+  // circle returns to known floor.
   const DrawnFloor floor(7);
   FloorFilter filter(Options(), 3);
   const Eigen::Matrix3d usual = Eigen::Vector3d(5e-4, 5e-4, 5e-4).cwiseAbs2().asDiagonal();
@@ -87,26 +87,26 @@ TEST(FloorFilter, AfterALossItIsUnsureUntilItFindsItsPlaceAgain) {
     const double error_m = (filter.Mean().position - Round(i).position).norm();
     const double sigma_m = std::sqrt(filter.Covariance().topLeftCorner<2, 2>().trace());
     if (i == 27) {
-      EXPECT_EQ(filter.open_joints(), 1);
+      EXPECT_EQ(filter.detached_submaps(), 1);
       EXPECT_GT(error_m, 0.2);
-      EXPECT_GT(sigma_m, 0.5 * error_m);  // and not silent about it
+      EXPECT_GT(sigma_m, 0.5 * error_m);
     }
   }
-  EXPECT_EQ(filter.open_joints(), 0);
+  EXPECT_EQ(filter.detached_submaps(), 0);
   EXPECT_LT((filter.Mean().position - Round(34).position).norm(), 0.01);
   EXPECT_LT(std::abs(WrapAngle(filter.Mean().heading - Round(34).heading)), 0.5 / 57.3);
   EXPECT_LT(std::sqrt(filter.Covariance().topLeftCorner<2, 2>().trace()), 0.03);
 }
 
-TEST(FloorFilter, AWayThatDriftedFartherThanParticlesSearchIsFoundAllTheSame) {
+TEST(FloorFilter, DriftBeyondTheReachOfMatchingIsFoundBySearch) {
   const DrawnFloor floor(7);
   FloorFilterOptions options = Options();
-  options.drift_ratio = 0.05;  // it knows that its motions are bad
+  options.drift_ratio = 0.05;
   FloorFilter filter(options, 2);
   double before_m = 0;
   for (int i = 0; i <= 36; ++i) {
     PlanarPose motion = i == 0 ? PlanarPose() : Round(i - 1).Inverse() * Round(i);
-    if (i > 0) motion.position += Rotate({0.003, 0}, -Round(i - 1).heading);  // 3 % of the way, always to one side
+    if (i > 0) motion.position += Rotate({0.003, 0}, -Round(i - 1).heading);  // 3 %, always to one side
     filter.Step(motion, 1e-6 * Eigen::Matrix3d::Identity(), Seen(floor, Round(i), uint64_t(i)));
     if (i == 25) before_m = (filter.Mean().position - Round(i).position).norm();
   }
@@ -114,7 +114,7 @@ TEST(FloorFilter, AWayThatDriftedFartherThanParticlesSearchIsFoundAllTheSame) {
   EXPECT_LT((filter.Mean().position - Round(36).position).norm(), 0.01);
 }
 
-TEST(FloorFilter, SeeingNothingItKeepsTheMotionsAndKnowsThatItDrifts) {
+TEST(FloorFilter, WithoutImagesItComposesMotionsAndItsCovarianceGrows) {
   FloorFilter filter(Options(), 1);
   const PlanarPose motion{{0.1, 0}, 0};
   const Eigen::Matrix3d covariance = Eigen::Vector3d(1e-3, 1e-3, 1e-3).cwiseAbs2().asDiagonal();
@@ -130,7 +130,7 @@ TEST(FloorFilter, SeeingNothingItKeepsTheMotionsAndKnowsThatItDrifts) {
   EXPECT_TRUE(filter.BestLoops().empty());
 }
 
-TEST(FloorFilter, TheSameSeedGivesTheSameWay) {
+TEST(FloorFilter, TheSameSeedGivesTheSameTrajectory) {
   const auto run = [](uint64_t seed) {
     const DrawnFloor floor(7);
     FloorFilter filter(Options(), seed);
@@ -149,8 +149,8 @@ TEST(FloorFilter, FiveHundredParticlesOverAHundredSquareMetresFitInto300Megabyte
   options.particles = 500;
   FloorFilter filter(options, 1);
   const FloorPatch patch = Seen(DrawnFloor(7), {}, 1);
-  // Rows of 10 m, 0.5 m apart, a keyframe each 12 cm: 1,680 of them. The pictures' sizes are added, not the pictures:
-  // drawing them all would take minutes.
+  // Rows of 10 m, 0.5 m apart, a keyframe each 12 cm: 1,680 of them. The patches' sizes are added, not the patches:
+  // rendering them all would take minutes.
   int steps = 0;
   for (int row = 0; row < 20; ++row) {
     for (int i = 0; i < 84; ++i, ++steps) {

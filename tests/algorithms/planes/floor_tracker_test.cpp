@@ -8,9 +8,9 @@
 namespace gaitcam {
 namespace {
 
-/// A walk: 1 cm per frame along a bend, swaying and nodding as small humanoids do.
+/// A walk: 1 cm per frame along a curve, with sway and nod as of small humanoids.
 Pose Walking(double frame) {
-  const double way_m = 0.01 * frame, turn = 0.4 * way_m, sway = std::sin(0.5 * frame);
+  const double length_m = 0.01 * frame, turn = 0.4 * length_m, sway = std::sin(0.5 * frame);
   const double lateral_m = 0.006 * sway;
   const PlanarPose below{
       {std::sin(turn) / 0.4 - std::sin(turn) * lateral_m, (1 - std::cos(turn)) / 0.4 + std::cos(turn) * lateral_m},
@@ -21,8 +21,24 @@ Pose Walking(double frame) {
 
 constexpr double kGravity_m_s2 = 9.81;
 
-/// The tracker's world begins below the first camera.
+/// The origin of the tracker's world lies below the first camera.
 Pose InItsWorld(const Pose& X_WC) { return BelowCamera(Walking(0)).Inverse().Lifted() * X_WC; }
+
+TEST(FloorTrackerStates, OnlyAKeyframeWhoseRegionsProvedToBeFloorIsTrusted) {
+  using enum FloorTrackerState;
+  using Event = FloorTrackerEvent;
+  for (const FloorTrackerState state : {kTracking, kPredicting, kRestarted, kTentative, kTentativePredicting}) {
+    EXPECT_EQ(NextState(state, Event::kLost), kRestarted);
+    EXPECT_EQ(NextState(state, Event::kNotFloor), kRestarted);
+    EXPECT_EQ(NextState(state, Event::kSucceeded), kTracking);
+    for (const Event event : {Event::kAligned, Event::kMissed}) {
+      EXPECT_EQ(ShowsFloor(NextState(state, event)), ShowsFloor(state)) << int(state) << ", " << int(event);
+    }
+    EXPECT_EQ(NextState(NextState(state, Event::kMissed), Event::kAligned), NextState(state, Event::kAligned));
+  }
+  EXPECT_EQ(NextState(kInitializing, Event::kMissed), kInitializing);
+  EXPECT_EQ(NextState(kInitializing, Event::kAligned), kTracking);
+}
 
 TEST(FloorTracker, FollowsAWalkToHalfAPercentAndKeepsHeightAndTilt) {
   const DrawnFloor floor(1);
@@ -41,8 +57,8 @@ TEST(FloorTracker, FollowsAWalkToHalfAPercentAndKeepsHeightAndTilt) {
     worst_height_m = std::max(worst_height_m, std::abs(last.X_WC.translation.z() - truth.translation.z()));
   }
   const Pose truth = InItsWorld(Walking(kFrames - 1));
-  // 0.59 m: the first picture's tilt is the standing one's, which is wrong by what the walk nods; 1 degree of it is
-  // worth 1 % of the way at most.
+  // 0.59 m walked. The first image's tilt is taken for the standing one's; the walk's nod makes it wrong by up to a
+  // degree, which changes the distance by 1 % at most.
   EXPECT_LT((last.X_WC.translation - truth.translation).head<2>().norm(), 0.006);
   EXPECT_LT(RotationAngle(last.X_WC.rotation, truth.rotation) * 180 / std::numbers::pi, 1.5);
   EXPECT_LT(worst_tilt_deg, 1.5);
@@ -67,27 +83,34 @@ TEST(FloorTracker, BlurOfASixteenthOfTheImageDoesNotLoseTheFloor) {
   EXPECT_NEAR(last.X_WC.translation.x(), 0.0, 0.01);
 }
 
-TEST(FloorTracker, WithoutTextureItIsLostAndSaysSoAndComesBack) {
+TEST(FloorTracker, WithoutTextureItIsLostAndRecovers) {
   const DrawnFloor floor(3);
   FloorTracker tracker(DrawnCalibration(), {});
   const cv::Mat blank(SmallCamera().height_px, SmallCamera().width_px, CV_8UC1, cv::Scalar(120));
   int frame = 0;
   for (; frame < 10; ++frame) ASSERT_TRUE(tracker.Track(Observe(Draw(floor, {Walking(frame)}, 1), frame)).tracked);
-  for (; frame < 25; ++frame) EXPECT_FALSE(tracker.Track(Observe(blank, frame)).tracked) << frame;
+  EXPECT_EQ(tracker.state(), FloorTrackerState::kTracking);
+  for (; frame < 25; ++frame) {
+    EXPECT_FALSE(tracker.Track(Observe(blank, frame)).tracked) << frame;
+    EXPECT_EQ(tracker.state(), frame < 13 ? FloorTrackerState::kPredicting : FloorTrackerState::kRestarted) << frame;
+  }
   int aligned = 0, restarted = 0;
   FloorTrack last;
   for (; frame < 50; ++frame) {
     last = tracker.Track(Observe(Draw(floor, {Walking(frame)}, 1), frame));
     aligned += last.tracked || last.tentative;
     restarted += last.restarted;
-    EXPECT_FALSE(last.tracked && frame < 30) << "not before the new keyframe has proved to show floor";
+    EXPECT_FALSE(last.tracked && frame < 30) << "the new keyframe is not known to show floor";
+    if (frame == 26) {
+      EXPECT_EQ(tracker.state(), FloorTrackerState::kTentative);
+    }
   }
   EXPECT_GE(aligned, 23);  // a new keyframe, and from the next frame on
   EXPECT_EQ(restarted, 1);
   EXPECT_TRUE(last.tracked);
 }
 
-TEST(FloorTracker, AfterALossTheWayIsUncertain) {
+TEST(FloorTracker, AfterALossTheMotionIsUncertain) {
   const DrawnFloor floor(4);
   FloorTracker tracker(DrawnCalibration(), {});
   const cv::Mat blank(SmallCamera().height_px, SmallCamera().width_px, CV_8UC1, cv::Scalar(120));
@@ -104,11 +127,11 @@ TEST(FloorTracker, AfterALossTheWayIsUncertain) {
     usual_m = std::min(usual_m, std::sqrt(keyframes[k].covariance(0, 0)));
   }
   EXPECT_LT(usual_m, 0.003);
-  EXPECT_GT(widest_m, 0.1);  // half a second at walking pace
+  EXPECT_GT(widest_m, 0.1);  // half a second at walking speed
 }
 
-/// Of a camera that turns to the left at `rate` rad/s, from an IMU with the camera's axes and a bias.
-std::vector<ImuSample> Felt(const Observation& observation, double rate, const Eigen::Vector3d& bias) {
+/// IMU samples of a camera that turns to the left at `rate` rad/s; the IMU has the camera's axes and a bias.
+std::vector<ImuSample> ImuOf(const Observation& observation, double rate, const Eigen::Vector3d& bias) {
   std::vector<ImuSample> samples;
   const Eigen::Vector3d up_C = CameraOver({}).R().transpose() * Eigen::Vector3d::UnitZ();
   for (int k = 6; k >= 0; --k) {
@@ -130,7 +153,7 @@ TEST(FloorTracker, LearnsTheGyroscopesBiasAndKeepsItsHeadingThroughALoss) {
   constexpr int kSeen = 90, kFrames = 150;
   for (int i = 0; i < kFrames; ++i) {
     Observation observation = Observe(i < kSeen ? Draw(floor, {at(i)}, 1, uint64_t(i)) : blank, i);
-    observation.imu = Felt(observation, kRate_rad_s, bias);
+    observation.imu = ImuOf(observation, kRate_rad_s, bias);
     last = tracker.Track(observation);
     ASSERT_EQ(last.tracked, i < kSeen) << i;
   }
@@ -139,8 +162,8 @@ TEST(FloorTracker, LearnsTheGyroscopesBiasAndKeepsItsHeadingThroughALoss) {
   EXPECT_LT(std::abs(off_rad) * 180 / std::numbers::pi, 0.5);
 }
 
-TEST(FloorTracker, ATurnThatTheGyroscopeDoesNotFeelIsNoTurn) {
-  // The floor itself turns under the standing robot: a rug pulled, or something that is no floor.
+TEST(FloorTracker, ARotationThatTheGyroscopeDoesNotMeasureIsRejected) {
+  // The floor itself turns under the standing robot, as only something that is no floor does.
   const DrawnFloor floor(9);
   Calibration calibration = DrawnCalibration();
   calibration.imu.rate_hz = 200;
@@ -149,16 +172,18 @@ TEST(FloorTracker, ATurnThatTheGyroscopeDoesNotFeelIsNoTurn) {
   for (int i = 0; i < 60; ++i) {
     const double turned = i < 30 ? 0 : 0.02 * (i - 30);
     Observation observation = Observe(Draw(floor, {CameraOver({{i < 30 ? 0.01 * i : 0.3, 0}, turned})}, 1), i);
-    observation.imu = Felt(observation, 0, Eigen::Vector3d::Zero());
+    observation.imu = ImuOf(observation, 0, Eigen::Vector3d::Zero());
     const FloorTrack track = tracker.Track(observation);
-    if (i < 30) ASSERT_TRUE(track.tracked) << i;
+    if (i < 30) {
+      ASSERT_TRUE(track.tracked) << i;
+    }
     if (i >= 40) tracked += track.tracked;
   }
   EXPECT_LE(tracked, 4);
 }
 
 TEST(FloorTracker, ABoxOnTheFloorIsNoPartOfIt) {
-  // Textured, 25 cm high, 0.55 m ahead, a third of the view in the end.
+  // Textured, 25 cm high, 0.55 m ahead, a third of the image at the end.
   const DrawnFloor floor(5), side(6);
   const Obstacle box = [&](const Pose& X_WC, const Eigen::Vector3d& ray) -> std::optional<double> {
     const double distance = (0.55 - X_WC.translation.x()) / ray.x();

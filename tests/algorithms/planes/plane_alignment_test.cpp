@@ -1,4 +1,4 @@
-// Direct alignment of a plane on pictures with known answers: a smooth random texture seen by an ideal camera.
+// Direct alignment of a plane on images with known motion: a smooth random texture by an ideal camera.
 
 #include "algorithms/planes/plane_alignment.h"
 
@@ -9,80 +9,36 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
 #include "algorithms/core/random.h"
+#include "algorithms/planes/floor_keyframe.h"
+#include "tests/algorithms/planes/drawn_floor.h"
 
 namespace gaitcam {
 namespace {
 
 const CameraModel kCamera = CameraModel::FromHorizontalFov(320, 240, 60);
 
-/// A texture on the plane of the reference frame, made of waves of 10 to 50 cm: 8 px and more in the pictures below, so
-/// that bilinear interpolation hardly dims them.
-class Texture {
- public:
-  explicit Texture(uint64_t seed) {
-    RandomStream random(seed, "texture");
-    for (int i = 0; i < 12; ++i) {
-      const double length = std::exp(random.Uniform(std::log(0.1), std::log(0.5)));
-      const double angle = random.Uniform(0, 2 * M_PI);
-      waves_.push_back(
-          {2 * M_PI / length * Eigen::Vector2d(std::cos(angle), std::sin(angle)), random.Uniform(0, 2 * M_PI)});
-    }
-  }
-  double At(const Eigen::Vector2d& p) const {
-    double sum = 0;
-    for (const Wave& wave : waves_) sum += std::cos(wave.k.dot(p) + wave.phase);
-    return 128 + 80 * std::tanh(sum / 4);
-  }
+constexpr double kHeight_m = 0.4, kPitch_rad = 35 * M_PI / 180;
 
- private:
-  struct Wave {
-    Eigen::Vector2d k;
-    double phase;
-  };
-  std::vector<Wave> waves_;
-};
+/// Waves of 10 to 50 cm: 8 px and more in the images below, so that bilinear interpolation hardly dims them.
+DrawnFloor Texture(uint64_t seed) { return DrawnFloor(seed, 0.1); }
 
-/// The floor as a camera of a small humanoid sees it: 0.4 m above, looking down by 35 degrees.
-PlaneState TrueState() {
-  PlaneState state;
-  state.normal_d = RotX(35 * M_PI / 180) * Eigen::Vector3d(0, 1, 0) / 0.4;
-  return state;
+/// The floor as a camera of a small humanoid sees it, which has not moved.
+PlaneState TrueState() { return FloorPlaneState(CameraOver({}, kHeight_m, kPitch_rad)); }
+
+/// The image of a camera that has moved by X_CR from there.
+cv::Mat Render(const DrawnFloor& floor, const std::vector<Pose>& X_CR, double noise_grey = 0, uint64_t seed = 1) {
+  std::vector<Pose> exposure;
+  for (const Pose& X : X_CR) exposure.push_back(CameraOver({}, kHeight_m, kPitch_rad) * X.Inverse());
+  return Draw(floor, exposure, DrawOptions{kCamera, noise_grey, seed, 2, {}});
 }
 
-/// Two axes on the plane of R.
-std::pair<Eigen::Vector3d, Eigen::Vector3d> Axes(const Eigen::Vector3d& normal_d) {
-  const Eigen::Vector3d a = Eigen::Vector3d::UnitX();
-  return {a, normal_d.normalized().cross(a).normalized()};
+cv::Mat Render(const DrawnFloor& floor, const PlaneState& state, double noise_grey = 0, uint64_t seed = 1) {
+  return Render(floor, std::vector<Pose>{state.X_CR}, noise_grey, seed);
 }
 
-/// What C sees, X_CR and the plane in R given; 2 x 2 samples per pixel. Above the horizon: grey.
-cv::Mat Render(const Texture& texture, const PlaneState& state, double noise_grey = 0, uint64_t seed = 1) {
-  RandomStream random(seed, "noise");
-  const auto [a, b] = Axes(state.normal_d);
-  const Pose X_RC = state.X_CR.Inverse();
-  cv::Mat image(kCamera.height_px, kCamera.width_px, CV_8UC1);
-  for (int v = 0; v < image.rows; ++v) {
-    for (int u = 0; u < image.cols; ++u) {
-      double sum = 0;
-      for (const double dv : {-0.25, 0.25}) {
-        for (const double du : {-0.25, 0.25}) {
-          const Eigen::Vector3d ray = X_RC.R() * kCamera.Unproject({u + du, v + dv});
-          const double facing = state.normal_d.dot(ray);
-          const double depth = (1 - state.normal_d.dot(X_RC.translation)) / facing;
-          const Eigen::Vector3d p = X_RC.translation + depth * ray;
-          sum += facing > 0 && depth < 5 ? texture.At({a.dot(p), b.dot(p)}) : 128;
-        }
-      }
-      image.at<uchar>(v, u) = cv::saturate_cast<uchar>(sum / 4 + noise_grey * random.Normal());
-    }
-  }
-  return image;
-}
-
-/// The part of the image that shows the floor within some 1.2 m.
+/// The part of the image that shows floor within some 1.2 m.
 cv::Mat FloorMask(const PlaneState& state) {
   cv::Mat mask(kCamera.height_px, kCamera.width_px, CV_8UC1, cv::Scalar(0));
   for (int v = 0; v < mask.rows; ++v) {
@@ -99,7 +55,7 @@ Pose Motion(double tx, double ty, double tz, double rx_deg, double ry_deg, doubl
   return ExpSe3(x);
 }
 
-/// Mean distance between where two states put the floor's pixels.
+/// Mean distance between the floor's pixels as warped by two states.
 double MeanWarpError(const PlaneState& a, const PlaneState& b, const cv::Mat& mask) {
   double sum = 0;
   int count = 0;
@@ -112,23 +68,6 @@ double MeanWarpError(const PlaneState& a, const PlaneState& b, const cv::Mat& ma
     }
   }
   return sum / count;
-}
-
-TEST(ExpSe3, IsUndoneByLogAndEqualsTheMatrixSeries) {
-  RandomStream random(1, "exp");
-  for (int i = 0; i < 100; ++i) {
-    Vector6d x;
-    for (int k = 0; k < 6; ++k) x[k] = random.Normal() * (i % 2 == 0 ? 1e-5 : 0.7);
-    EXPECT_LT((LogSe3(ExpSe3(x)) - x).norm(), 1e-9);
-    Eigen::Matrix4d A = Eigen::Matrix4d::Zero(), term = Eigen::Matrix4d::Identity(), sum = term;
-    A.topLeftCorner<3, 3>() << 0, -x[5], x[4], x[5], 0, -x[3], -x[4], x[3], 0;
-    A.topRightCorner<3, 1>() = x.head<3>();
-    for (int n = 1; n < 40; ++n) {
-      term = term * A / n;
-      sum += term;
-    }
-    EXPECT_LT((ExpSe3(x).Matrix() - sum).norm(), 1e-12);
-  }
 }
 
 TEST(WarpJacobian, AgreesWithFiniteDifferences) {
@@ -160,7 +99,7 @@ TEST(WarpJacobian, AgreesWithFiniteDifferences) {
   }
 }
 
-/// Eqs. 6.5 to 6.16 once more, written for numbers that carry their derivatives.
+/// Eqs. 6.5 to 6.16 for automatic differentiation.
 using Jet = ceres::Jet<double, 9>;
 std::array<Jet, 2> WarpByEquations(const PlaneState& state, const Eigen::Matrix3d& M, const Eigen::Vector2d& p_R) {
   Jet theta[9];
@@ -211,9 +150,9 @@ struct Trial {
   double error_px = 0, initial_px = 0;
 };
 
-/// Two pictures a known motion apart, aligned from no motion at all; the plane is known to 1 % and 1 degree.
+/// Two images a known motion apart, aligned from the identity; the plane is known to 1 % and 1 degree.
 Trial Align(const Pose& motion, uint64_t seed, double noise_grey = 0, const PlaneAlignmentOptions& options = {}) {
-  const Texture texture(seed);
+  const DrawnFloor texture = Texture(seed);
   Trial trial;
   trial.truth = TrueState();
   const cv::Mat mask = FloorMask(trial.truth), first = Render(texture, trial.truth, noise_grey, 2 * seed);
@@ -285,7 +224,7 @@ TEST(PlaneAlignment, ErrorsAreWhatTheCovarianceSays) {
 }
 
 TEST(PlaneAlignment, BrightnessMayChange) {
-  const Texture texture(4);
+  const DrawnFloor texture = Texture(4);
   PlaneState truth = TrueState();
   const cv::Mat mask = FloorMask(truth), first = Render(texture, truth);
   truth.X_CR = Motion(0.004, 0, -0.004, 0.2, 0.3, 0);
@@ -301,7 +240,7 @@ TEST(PlaneAlignment, BrightnessMayChange) {
 }
 
 TEST(PlaneAlignment, AQuarterOfTheFloorHiddenDoesNotMatter) {
-  const Texture texture(5), other(99);
+  const DrawnFloor texture = Texture(5), other = Texture(99);
   PlaneState truth = TrueState();
   const cv::Mat mask = FloorMask(truth), first = Render(texture, truth);
   truth.X_CR = Motion(0.004, 0, -0.004, 0.2, 0.3, 0);
@@ -328,24 +267,18 @@ TEST(PlaneAlignment, AnotherFloorIsNotTakenForThisOne) {
   EXPECT_TRUE(dark.state.X_CR.translation.allFinite());
 }
 
-/// Mean of pictures along a path about the middle pose, in linear grey.
-cv::Mat RenderBlurred(const Texture& texture, const PlaneState& middle, const ExposureMotion& motion) {
+/// The image of an exposure about the state's pose.
+cv::Mat RenderBlurred(const DrawnFloor& floor, const PlaneState& middle, const ExposureMotion& motion) {
   constexpr int kInstants = 15;
-  cv::Mat sum(kCamera.height_px, kCamera.width_px, CV_32FC1, cv::Scalar(0));
+  std::vector<Pose> exposure;
   for (int i = 0; i < kInstants; ++i) {
-    PlaneState at = middle;
-    at.X_CR = ExpSe3(((i + 0.5) / kInstants - 0.5) * motion) * middle.X_CR;
-    cv::Mat picture;
-    Render(texture, at).convertTo(picture, CV_32F, 1.0 / kInstants);
-    sum += picture;
+    exposure.push_back(ExpSe3(((i + 0.5) / kInstants - 0.5) * motion) * middle.X_CR);
   }
-  cv::Mat image;
-  sum.convertTo(image, CV_8U);
-  return image;
+  return Render(floor, exposure);
 }
 
 TEST(PlaneAlignment, BlurOfTheCurrentImageIsPartOfTheModel) {
-  const Texture texture(8);
+  const DrawnFloor texture = Texture(8);
   PlaneState truth = TrueState();
   const cv::Mat mask = FloorMask(truth), first = Render(texture, truth);
   truth.X_CR = Motion(0.006, 0, -0.01, 1.0, 1.5, 1.0);

@@ -38,7 +38,7 @@ TEST(Systems, AreListedByNameAndCanAllBeMadeWithTheirDefaults) {
   for (size_t i = 1; i < infos.size(); ++i) EXPECT_LT(infos[i - 1].name, infos[i].name);
   for (const SystemInfo& info : infos) {
     EXPECT_FALSE(info.description.empty());
-    const auto system = MakeSystem(info.name, SetupWith(info.defaults));
+    const auto system = MakeSystem(info.name, SetupWith(info.Defaults()));
     Observation black;
     black.stamp_ns = 42;
     black.image = {42, cv::Mat::zeros(240, 320, CV_8UC1)};
@@ -47,6 +47,32 @@ TEST(Systems, AreListedByNameAndCanAllBeMadeWithTheirDefaults) {
     EXPECT_EQ(answer.status, TrackingStatus::kInitializing) << info.name;
     EXPECT_FALSE(answer.pose) << info.name;
   }
+}
+
+TEST(Systems, WhatTheyNeedIsKnownWithoutBuildingThem) {
+  EXPECT_EQ(InfoOfSystem("floor_slam").needs, std::vector{SensorNeed::kStandingCamera});
+  EXPECT_TRUE(InfoOfSystem("topo_slam").acts);
+  EXPECT_FALSE(InfoOfSystem("mobif_vo_plus").acts);
+  EXPECT_THAT(ErrorOf([] { InfoOfSystem("sift_v0"); }), HasSubstr("did you mean sift_vo?"));
+  for (const SystemInfo& info : ListSystems()) {
+    for (const FieldInfo& option : info.options) {
+      EXPECT_NO_THROW(MakeSystem(info.name, SetupWith({{option.key, option.default_value}})))
+          << info.name << "." << option.key;
+    }
+  }
+}
+
+TEST(Systems, ASensorIsMissingExactlyWhenTheCalibrationHasNone) {
+  const std::vector<SensorNeed> all = {SensorNeed::kStereo, SensorNeed::kDepth, SensorNeed::kImu, SensorNeed::kJoints,
+                                       SensorNeed::kStandingCamera};
+  Calibration calibration;
+  EXPECT_EQ(MissingSensors(all, calibration, false), all);
+  calibration.right.emplace();
+  calibration.has_depth = true;
+  EXPECT_EQ(MissingSensors(all, calibration, true), (std::vector{SensorNeed::kImu, SensorNeed::kStandingCamera}));
+  calibration.imu.rate_hz = 100;
+  calibration.standing.emplace();
+  EXPECT_TRUE(MissingSensors(all, calibration, true).empty());
 }
 
 TEST(Systems, AnUnknownNameIsAnsweredWithTheNearest) {
@@ -60,7 +86,7 @@ TEST(Systems, SettingsAreCheckedByNameAndValue) {
   EXPECT_THAT(ErrorOf([] {
                 MakeSystem("sift_vo", SetupWith({{"ration", 0.7}}));
               }),
-              HasSubstr("sift_vo.ration: there is no such setting; did you mean ratio?"));
+              HasSubstr("sift_vo.ration: unknown key; did you mean ratio?"));
   EXPECT_THAT(ErrorOf([] {
                 MakeSystem("sift_vo", SetupWith({{"ratio", 7}}));
               }),
@@ -68,7 +94,7 @@ TEST(Systems, SettingsAreCheckedByNameAndValue) {
   EXPECT_THAT(ErrorOf([] {
                 MakeSystem("sift_vo", SetupWith({{"max_features", 300.5}}));
               }),
-              HasSubstr("sift_vo.max_features: 300.5 is not permitted; expected a whole number"));
+              HasSubstr("sift_vo.max_features: \"300.5\" is not a whole number; expected a number"));
   EXPECT_THAT(ErrorOf([] {
                 MakeSystem("sift_vo", SetupWith({{"max_features", std::nan("")}}));
               }),
@@ -84,11 +110,15 @@ void VisitFields(Visitor& visit, Inner& o) {
   visit("depth", o.depth, Positive(), "");
 }
 
+enum class Colour { kRed, kBlue };
+constexpr auto WordsOf(Colour) { return std::array{EnumWord{Colour::kRed, "red"}, EnumWord{Colour::kBlue, "blue"}}; }
+
 struct Outer {
   using DescribedTag = void;
   int count = 3;
   bool flag = true;
   std::string word = "a";
+  Colour colour = Colour::kRed;
   Inner inner;
 };
 template <class Visitor>
@@ -96,20 +126,35 @@ void VisitFields(Visitor& visit, Outer& o) {
   visit("count", o.count, Between(0, 10), "");
   visit("flag", o.flag, Nested(), "");
   visit("word", o.word, OneOf({"a", "beta", "gamma"}), "");
+  visit("colour", o.colour, EnumWords<Colour>(), "");
   visit("inner", o.inner, Nested(), "");
 }
 
+TEST(Options, DefaultsOfASystemAreItsSettings) {
+  SystemInfo info;
+  info.options = ListFields(Outer());
+  EXPECT_EQ(info.Defaults(), SettingsOf(Outer()));
+  EXPECT_EQ(info.options.size(), 5u);
+}
+
 TEST(Settings, ReachNumbersFlagsTextsAndNestedStructs) {
-  EXPECT_EQ(SettingsOf(Outer()), (SystemSettings{{"count", 3}, {"flag", 1}, {"inner.depth", 2}, {"word", "a"}}));
+  EXPECT_EQ(SettingsOf(Outer()),
+            (SystemSettings{{"colour", "red"}, {"count", 3}, {"flag", true}, {"inner.depth", 2}, {"word", "a"}}));
+  EXPECT_EQ(OptionsFrom<Outer>({{"colour", "blue"}}, "x").colour, Colour::kBlue);
+  EXPECT_THAT(ErrorOf([] {
+                OptionsFrom<Outer>({{"colour", "blu"}}, "x");
+              }),
+              HasSubstr("x.colour: \"blu\" is not permitted; expected one of red, blue (did you mean blue?)"));
+  EXPECT_THAT(ErrorOf([] {
+                OptionsFrom<Outer>({{"colour", 1}}, "x");
+              }),
+              HasSubstr("x.colour: \"1\" is not permitted; expected one of red, blue"));
   const Outer changed = OptionsFrom<Outer>({{"count", 5}, {"flag", 0}, {"inner.depth", 0.5}, {"word", "beta"}}, "x");
   EXPECT_EQ(changed.word, "beta");
   EXPECT_EQ(changed.count, 5);
   EXPECT_FALSE(changed.flag);
   EXPECT_EQ(changed.inner.depth, 0.5);
-  EXPECT_THAT(ErrorOf([] {
-                OptionsFrom<Outer>({{"flag", 2}}, "x");
-              }),
-              HasSubstr("x.flag: 2 is not permitted; expected 0 or 1"));
+  EXPECT_THAT(ErrorOf([] { OptionsFrom<Outer>({{"flag", 2}}, "x"); }), HasSubstr("x.flag: \"2\" is not true or false"));
   EXPECT_FALSE(OptionsFrom<Outer>({{"flag", "false"}}, "x").flag);
   EXPECT_THAT(ErrorOf([] {
                 OptionsFrom<Outer>({{"word", "bete"}}, "x");
@@ -118,13 +163,21 @@ TEST(Settings, ReachNumbersFlagsTextsAndNestedStructs) {
   EXPECT_THAT(ErrorOf([] {
                 OptionsFrom<Outer>({{"word", 4}}, "x");
               }),
-              HasSubstr("x.word: 4 is not permitted; expected one of a, beta, gamma"));
+              HasSubstr("x.word: \"4\" is not permitted; expected one of a, beta, gamma"));
   EXPECT_THAT(ErrorOf([] {
                 OptionsFrom<Outer>({{"count", "many"}}, "x");
               }),
-              HasSubstr("x.count: \"many\" is not permitted; expected a number from 0 to 10"));
+              HasSubstr("x.count: \"many\" is not a whole number; expected a number from 0 to 10"));
   EXPECT_THAT(ErrorOf([] { OptionsFrom<Outer>({{"inner.depth", -1}}, "x"); }), HasSubstr("x.inner.depth: -1"));
-  EXPECT_THAT(ErrorOf([] { OptionsFrom<Outer>({{"inner.dept", 1}}, "x"); }), HasSubstr("did you mean inner.depth?"));
+  EXPECT_THAT(ErrorOf([] {
+                OptionsFrom<Outer>({{"inner.dept", 1}}, "x");
+              }),
+              HasSubstr("x.inner.dept: unknown key; did you mean depth?"));
+  EXPECT_THAT(ErrorOf([] { OptionsFrom<Outer>({{"inner", 1}}, "x"); }), HasSubstr("x.inner: expected a map"));
+  EXPECT_THAT(ErrorOf([] {
+                OptionsFrom<Outer>({{"inner", 1}, {"inner.depth", 1}}, "x");
+              }),
+              HasSubstr("x: inner is not a map and has no key depth"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A robot in drawn rooms that look alike nowhere: it goes from one to the other at once, and looks around when asked
-// to.
+// A robot in synthetic rooms that have nothing in common: it changes rooms from one frame to the next, and scans when
+// asked to.
 
 #include "algorithms/slam/topo_slam.h"
 
@@ -27,14 +27,16 @@ Calibration Ers7() {
   return calibration;
 }
 
-/// Serves a system's requests; everything takes as many frames as it takes.
+bool WantsScan(const System& system) { return std::holds_alternative<gaitcam::Scan>(system.Command()); }
+
+/// Serves a system's commands; everything takes as many frames as it takes.
 class Walk {
  public:
   explicit Walk(System& system, const std::vector<uint64_t>& rooms = {1, 2, 3, 4}) : system_(system) {
     for (const uint64_t seed : rooms) rooms_.emplace_back(seed);
   }
 
-  /// Its feet are felt: so many steps straight ahead before the next frame.
+  /// Foot switches: so many steps straight ahead before the next frame.
   void Step(int steps) {
     for (int k = 0; k < steps; ++k) {
       left_ = !left_;
@@ -49,7 +51,7 @@ class Walk {
   /// Stands in a room, looking to and fro, for `frames`, not counting scans.
   void Stay(size_t room, int frames, double yaw_deg = 20) {
     for (int k = 0; k < frames; ++k) {
-      if (system_.Request() == BodyRequest::kScan) Scan(room);
+      if (WantsScan(system_)) Scan(room);
       Show(room, (yaw_deg + 3 * std::sin(k)) * kDeg, std::nullopt);
     }
   }
@@ -93,17 +95,24 @@ Calibration WithGyroscope() {
   return calibration;
 }
 
+/// What it knows at its end.
+PlaceGraph GraphOf(System& system) {
+  const FinalEstimate end = system.Finish();
+  return *FindMap<PlaceGraph>(end.maps);
+}
+
 class TopoSlamLoops : public testing::TestWithParam<bool> {};
 
 TEST_P(TopoSlamLoops, AddsANodeForEachRoomAndClosesTheLoopWhenItIsBack) {
   const auto system = Make({{"look_around", GetParam()}});
-  EXPECT_TRUE(system->Acts());
-  EXPECT_EQ(system->Request(), BodyRequest::kScan);  // its first frame is at a new place
+  EXPECT_TRUE(InfoOfSystem("topo_slam").acts);
+  EXPECT_TRUE(WantsScan(*system));  // its first frame is at a new place
   Walk walk(*system);
   for (const size_t room : {0, 1, 2, 0, 3}) walk.Stay(room, 40);
-  system->Finish();
-  EXPECT_EQ(system->Failure(), "");
-  const PlaceGraph graph = *system->Places();
+  const FinalEstimate end = system->Finish();
+  EXPECT_EQ(end.failure, "");
+  EXPECT_TRUE(end.frames.empty());
+  const PlaceGraph graph = *FindMap<PlaceGraph>(end.maps);
   ASSERT_EQ(graph.nodes.size(), 4u);
   for (const PlaceNode& node : graph.nodes) {
     EXPECT_EQ(node.bytes, 169u);
@@ -120,10 +129,10 @@ TEST_P(TopoSlamLoops, AddsANodeForEachRoomAndClosesTheLoopWhenItIsBack) {
   bool loop_seen = false;
   int decided = 0;
   for (const PlaceTest& test : graph.tests) {
-    const bool all_around = test.view.cols == 720;
-    // What decided: a panorama where it looks around, else a view.
-    decided += test.matched == 0 && test.stamp_ns == graph.links[2].stamp_ns && all_around == GetParam();
-    if (all_around && test.matched >= 0) {
+    const bool panoramic = test.view.cols == 720;
+    // What decided: a panorama with look_around, else a view.
+    decided += test.matched == 0 && test.stamp_ns == graph.links[2].stamp_ns && panoramic == GetParam();
+    if (panoramic && test.matched >= 0) {
       EXPECT_NEAR(test.bearing_rad, 0, 1 * kDeg);
       continue;
     }
@@ -138,9 +147,9 @@ TEST_P(TopoSlamLoops, AddsANodeForEachRoomAndClosesTheLoopWhenItIsBack) {
   EXPECT_EQ(decided, 1);
 }
 INSTANTIATE_TEST_SUITE_P(, TopoSlamLoops, testing::Bool(),
-                         [](const auto& info) { return info.param ? "ByLookingAround" : "ByAView"; });
+                         [](const auto& info) { return info.param ? "ByAPanorama" : "ByAView"; });
 
-TEST(TopoSlam, RoomsThatLookTheSameAreToldApartByTheWayThere) {
+TEST(TopoSlam, RoomsThatLookTheSameAreToldApartByDeadReckoning) {
   for (const int steps : {5, 200}) {
     const auto system = Make({}, WithGyroscope());
     Walk walk(*system, {1, 2, 1});
@@ -150,14 +159,14 @@ TEST(TopoSlam, RoomsThatLookTheSameAreToldApartByTheWayThere) {
       walk.Stay(room, 40);
     }
     // 10 steps from the first room it may be back in it; 400 steps from it it is somewhere else.
-    const PlaceGraph graph = *system->Places();
+    const PlaceGraph graph = GraphOf(*system);
     EXPECT_EQ(graph.nodes.size(), steps == 5 ? 2u : 3u);
     ASSERT_EQ(graph.links.size(), 2u);
     EXPECT_EQ(graph.links[1].loop, steps == 5);
   }
 }
 
-TEST(TopoSlam, WithoutAGyroscopeStepsLeadNowhere) {
+TEST(TopoSlam, WithoutAGyroscopeNoPlaceIsOutOfReach) {
   const auto system = Make();
   Walk walk(*system, {1, 2, 1});
   walk.Stay(0, 30);
@@ -165,12 +174,12 @@ TEST(TopoSlam, WithoutAGyroscopeStepsLeadNowhere) {
     walk.Step(200);
     walk.Stay(room, 40);
   }
-  EXPECT_EQ(system->Places()->nodes.size(), 2u);  // it may have walked in a circle
+  EXPECT_EQ(GraphOf(*system).nodes.size(), 2u);  // it may have walked in a circle
 }
 
 TEST(TopoSlam, AStandingRobotLearnsItsGyroscopesBias) {
   TopoSlamOptions options;
-  options.loop.threshold = 1000;  // no view will do, so none corrects the heading
+  options.loop.threshold = 1000;  // no view is similar enough, so none corrects the heading
   TopoSlam slam(WithGyroscope(), options);
   const CylinderWorld room(1);
   double heading_before = 0;
@@ -189,12 +198,12 @@ TEST(TopoSlam, AStandingRobotLearnsItsGyroscopesBias) {
   EXPECT_NEAR(slam.heading_rad(), heading_before, 0.01 * kDeg);  // 15 degrees if it were not known
 }
 
-TEST(TopoSlam, DoesNotMindATurnBetweenTwoHalfScans) {
+TEST(TopoSlam, IgnoresATurnBetweenTwoHalfScans) {
   const auto system = Make();
   Walk walk(*system);
   walk.ScanByTurning(0);
-  EXPECT_EQ(system->Request(), BodyRequest::kGoOn);
-  EXPECT_EQ(system->Places()->nodes.size(), 1u);
+  EXPECT_FALSE(WantsScan(*system));
+  EXPECT_EQ(GraphOf(*system).nodes.size(), 1u);
 }
 
 TEST(TopoSlam, IsNotMisledByASingleOddView) {
@@ -203,16 +212,17 @@ TEST(TopoSlam, IsNotMisledByASingleOddView) {
   walk.Stay(0, 30);
   walk.Stay(1, 5);  // one test or two, of the three in a row that it takes
   walk.Stay(0, 30);
-  EXPECT_EQ(system->Places()->nodes.size(), 1u);
-  EXPECT_TRUE(system->Places()->links.empty());
+  const PlaceGraph graph = GraphOf(*system);
+  EXPECT_EQ(graph.nodes.size(), 1u);
+  EXPECT_TRUE(graph.links.empty());
 }
 
 TEST(TopoSlam, AddsNoNodeWhereAScanShowsAKnownPlace) {
-  // No view will do: it scans wherever it has walked a little.
+  // No view is similar enough: it scans again and again.
   const auto system = Make({{"loop.threshold", 1000.0}});
   Walk walk(*system);
   for (const size_t room : {0, 0, 1, 2, 0}) walk.Stay(room, 35);
-  const PlaceGraph graph = *system->Places();
+  const PlaceGraph graph = GraphOf(*system);
   EXPECT_EQ(graph.nodes.size(), 3u);
   ASSERT_EQ(graph.links.size(), 3u);
   EXPECT_EQ(graph.links[2].from, 2);
@@ -224,9 +234,9 @@ TEST(TopoSlam, SaysThatItNeedsABodyThatScans) {
   const auto system = Make({{"scan_patience_s", 2.0}});
   Walk walk(*system);
   for (int k = 0; k < 30; ++k) walk.Show(0, 0, std::nullopt);
-  system->Finish();
-  EXPECT_THAT(system->Failure(), HasSubstr("asked for a scan and none came"));
-  EXPECT_TRUE(system->Places()->nodes.empty());
+  const FinalEstimate end = system->Finish();
+  EXPECT_THAT(end.failure, HasSubstr("asked for a scan and none came"));
+  EXPECT_TRUE(FindMap<PlaceGraph>(end.maps)->nodes.empty());
 }
 
 TEST(TopoSlam, SaysHowMuchOfAScanIsMissing) {
@@ -234,9 +244,9 @@ TEST(TopoSlam, SaysHowMuchOfAScanIsMissing) {
   Walk walk(*system);
   walk.Scan(0, 96);
   walk.Show(0, 0, std::nullopt);
-  system->Finish();
-  EXPECT_THAT(system->Failure(), HasSubstr("of 360 deg unseen"));
-  EXPECT_EQ(system->Failure().find('\n'), std::string::npos);
+  const std::string failure = system->Finish().failure;
+  EXPECT_THAT(failure, HasSubstr("of 360 deg unseen"));
+  EXPECT_EQ(failure.find('\n'), std::string::npos);
 }
 
 TEST(TopoSlam, RefusesWhatItCannotWorkWith) {

@@ -35,6 +35,11 @@ TEST_F(BadInputTest, UnknownKeyNamesTheNearestKnownOne) {
   ExpectRefusal("sytem: sift_vo\n", "s.yaml:1:1: sytem: unknown key; did you mean system?", "", "validate");
 }
 
+TEST_F(BadInputTest, AKeyThatWasRenamedIsRefusedByItsNewName) {
+  ExpectRefusal("seed: 1\nplace: lab\n", "s.yaml:2:1: place: this key is called scene now");
+  ExpectRefusal("", "--set place=lab: this key is called scene now", "--set place=lab", "validate");
+}
+
 TEST_F(BadInputTest, WrongTypeAndRangeNameLineAndColumn) {
   ExpectRefusal("duration_s: long\n", "s.yaml:1:13: duration_s: \"long\" is not a number");
   ExpectRefusal("seed: -1\n", "s.yaml:1:7: seed:");
@@ -43,7 +48,7 @@ TEST_F(BadInputTest, WrongTypeAndRangeNameLineAndColumn) {
 
 TEST_F(BadInputTest, NamesThatDoNotExistAreNamedWithTheNearest) {
   ExpectRefusal("robot: khr1v\n", "khr1hv");
-  ExpectRefusal("place: labb\n", "lab");
+  ExpectRefusal("scene: labb\n", "lab");
   ExpectRefusal("system: sift_v0\n", "sift_vo");
   ExpectRefusal("system: {name: sift_vo, ration: 0.8}\n", "ratio");
   ExpectRefusal("gait: {preset: briskly}\n", "it has brisk, normal, slow");

@@ -47,7 +47,7 @@ TEST_F(LauncherTest, AMachineWithoutAptIsToldInOneLine) {
   for (const char* tool : {"bash", "readlink", "dirname", "id", "grep"}) {
     fs::create_symlink(fs::path("/usr/bin") / tool, File("bin") / tool);
   }
-  for (const char* words : {"run walk.yaml", "test", "benchmark"}) {
+  for (const char* words : {"run walk.yaml", "experiment --list", "test", "benchmark"}) {
     const ProgramResult result = Shell("env -i PATH=" + File("bin").string() + " " + kLauncher.string() + " " + words);
     EXPECT_EQ(result.exit_code, 4) << result.err;
     EXPECT_EQ(Lines(result.err), 1) << result.err;

@@ -1,6 +1,6 @@
 // The JSON Schemas, held against an independent validator: what we ship is good, what the parser refuses is bad.
 
-#include "scenarios/commands/schema.h"
+#include "scenarios/code/commands/schema.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Each kind of damage that a data set can suffer is planted into a real recording, and must be told with its place.
 
-#include "scenarios/datasets/dataset_check.h"
+#include "scenarios/code/datasets/dataset_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/checksum.h"
-#include "scenarios/datasets/frame_pairs.h"
-#include "scenarios/runs/output_folder.h"
+#include "scenarios/code/datasets/frame_pairs.h"
+#include "scenarios/code/runs/output_folder.h"
 #include "tests/scenarios/program.h"
 #include "tests/scenarios/temporary_folder.h"
 #include "tests/scenarios/tiny_walk.h"

@@ -1,4 +1,4 @@
-#include "scenarios/datasets/floor_intrinsics.h"
+#include "scenarios/code/datasets/floor_intrinsics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "scenarios/datasets/frame_pairs.h"
+#include "scenarios/code/datasets/frame_pairs.h"
 
 #include <gtest/gtest.h>
 

@@ -27,7 +27,7 @@ using testing::Not;
 const char* const kMatrix = R"(
 description: a test
 base: walk.yaml
-set: {duration_s: 0.8, place: plain}
+set: {duration_s: 0.8, scene: plain}
 axes:
   gait.preset: [normal, brisk]
   camera.exposure_ms: [0, 10]

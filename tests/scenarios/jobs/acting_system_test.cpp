@@ -6,9 +6,9 @@
 #include <fstream>
 
 #include "algorithms/core/errors.h"
-#include "scenarios/jobs/job.h"
-#include "scenarios/runs/runner.h"
-#include "scenarios/runs/tracked_system.h"
+#include "scenarios/code/jobs/job.h"
+#include "scenarios/code/runs/runner.h"
+#include "scenarios/code/runs/tracked_system.h"
 #include "tests/data_folder.h"
 #include "tests/scenarios/temporary_folder.h"
 
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 /// Scans at its first frame, then takes a few steps.
 constexpr const char* kScenario = R"(
 robot: khr1hv_pan
-place: plain
+scene: plain
 duration_s: 0
 path: {kind: straight, length_m: 0.1, settle_s: 0.6}
 camera: {width_px: 208, height_px: 160, hfov_deg: 56.9, pitch_deg: 0, rate_hz: 5, exposure_ms: 5, antialias: 1}

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "algorithms/core/errors.h"
-#include "scenarios/jobs/suite.h"
+#include "scenarios/code/jobs/suite.h"
 #include "tests/scenarios/program.h"
 #include "tests/scenarios/temporary_folder.h"
 
@@ -21,7 +21,7 @@ using testing::Not;
 
 /// Seven seeds are the fewest that can be significant at 1 %; standing and looking about needs no walk to track.
 constexpr const char* kScenario =
-    "place: plain\nduration_s: 2.2\n"
+    "scene: plain\nduration_s: 2.2\n"
     "path: {kind: straight, length_m: 0.3}\n"
     "camera: {width_px: 160, height_px: 120, rate_hz: 10, exposure_ms: 4, fixed_subframes: 2}\n"
     "system: mobif_vo_plus\n";

@@ -1,6 +1,6 @@
 // Runs in processes of their own, and the cache of recorded walks that they share: real walks, real processes.
 
-#include "scenarios/jobs/executor.h"
+#include "scenarios/code/jobs/executor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

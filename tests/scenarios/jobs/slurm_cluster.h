@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-#include "scenarios/runs/subprocess.h"
+#include "scenarios/code/runs/subprocess.h"
 #include "tests/scenarios/program.h"
 #include "tests/scenarios/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "algorithms/core/random.h"
-#include "scenarios/runs/subprocess.h"
+#include "scenarios/code/runs/subprocess.h"
 #include "tests/scenarios/program.h"
 #include "tests/scenarios/temporary_folder.h"
 

@@ -1,7 +1,7 @@
 // Somebody else's executable as the SLAM system of a run: what it is given, what becomes of what it says, and that its
 // crashes are its own.
 
-#include "scenarios/runs/external_system.h"
+#include "scenarios/code/runs/external_system.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

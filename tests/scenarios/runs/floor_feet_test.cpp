@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "scenarios/runs/runner.h"
-#include "scenarios/scenario.h"
+#include "scenarios/code/files/scenario.h"
+#include "scenarios/code/runs/runner.h"
 #include "sim/simulation.h"
 #include "tests/data_folder.h"
 
@@ -23,23 +23,23 @@ struct Film {
   std::vector<cv::Mat> depth;
   std::vector<Pose> X_WB;
 
-  Film(const ResolvedScenario& resolved, const Place& place) {
+  Film(const ResolvedScenario& resolved, const Scene& scene) {
     TruthOptions truth;
     truth.sharp = truth.blur = false;
-    Simulation simulation(resolved.robot, place, SimulationOptionsOf(resolved.scenario), resolved.scenario.seed);
+    Simulation simulation(resolved.robot, scene, SimulationOptionsOf(resolved.scenario), resolved.scenario.seed);
     while (const auto frame = simulation.Next(truth)) {
-      depth.push_back(frame->truth.camera.depth);
-      X_WB.push_back(frame->truth.X_WB);
+      depth.push_back(frame->truth.depth);
+      X_WB.push_back(*frame->truth.X_WB);
     }
   }
 };
 
 TEST(FloorFeet, APersonFillsAThirdOfTheViewTwiceAndTheRobotWalksOnUnmoved) {
   const ResolvedScenario resolved = FloorFeet();
-  ASSERT_EQ(resolved.place.people.size(), 1u);
-  Place alone = resolved.place;
+  ASSERT_EQ(resolved.scene.people.size(), 1u);
+  Scene alone = resolved.scene;
   alone.people.clear();
-  const Film with(resolved, resolved.place), without(resolved, alone);
+  const Film with(resolved, resolved.scene), without(resolved, alone);
   ASSERT_EQ(with.depth.size(), without.depth.size());
   double first = 0, second = 0, between = 0;
   for (size_t i = 0; i < with.depth.size(); ++i) {

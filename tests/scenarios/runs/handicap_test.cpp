@@ -1,6 +1,6 @@
 // Systems made worse on purpose: what each handicap does, and nothing else.
 
-#include "scenarios/runs/handicap.h"
+#include "scenarios/code/runs/handicap.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Systems that act on the body: their walk waits for their answer, and the robot does what they ask.
 
-#include "scenarios/runs/live_tracking.h"
+#include "scenarios/code/runs/live_tracking.h"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
-#include "scenarios/folders.h"
-#include "scenarios/runs/handicap.h"
+#include "scenarios/code/files/folders.h"
+#include "scenarios/code/runs/handicap.h"
 
 namespace gaitcam {
 namespace {
@@ -29,11 +29,11 @@ class Scanner : public System {
     answer.stamp_ns = observation.stamp_ns;
     return answer;
   }
-  bool Acts() const override { return true; }
-  BodyRequest Request() const override {
-    return seen_.stamps.size() >= ask_at_ && seen_.pans.empty() ? BodyRequest::kScan : BodyRequest::kGoOn;
+  BodyCommand Command() const override {
+    if (seen_.stamps.size() >= ask_at_ && seen_.pans.empty()) return Scan();
+    return FollowPath();
   }
-  std::optional<PlaceGraph> Places() const override { return PlaceGraph(); }
+  FinalEstimate Finish() override { return {{}, {PlaceGraph()}, "it stopped"}; }
 
  private:
   Seen& seen_;
@@ -68,17 +68,17 @@ class LiveTracking : public testing::Test {
  protected:
   LiveTracking()
       : robot_(ReadRobot("khr1hv_pan", ModelsFolder())),
-        place_(ReadPlace("plain", ModelsFolder())),
+        place_(ReadScene("plain", ModelsFolder())),
         simulation_(robot_, place_, Options(robot_), 1) {}
 
   Robot robot_;
-  Place place_;
+  Scene place_;
   Simulation simulation_;
 };
 
 TEST_F(LiveTracking, TheBodyScansWhenTheSystemAsksAndThenFinishesItsPath) {
   Seen seen;
-  TrackingThread tracker(std::make_unique<Scanner>(seen, 8));
+  TrackingThread tracker(std::make_unique<Scanner>(seen, 8), true);
   size_t shown = 0;
   LiveTrackingOptions options;
   options.on_frame = [&](const SimulatedFrame&) { ++shown; };
@@ -90,23 +90,25 @@ TEST_F(LiveTracking, TheBodyScansWhenTheSystemAsksAndThenFinishesItsPath) {
   EXPECT_LT(seen.pans.size(), 45U);
   EXPECT_GT(seen.pans.front(), 2.5);
   EXPECT_LT(seen.pans.back(), -2.5);
-  EXPECT_TRUE(estimate.places.has_value());
+  EXPECT_TRUE(FindMap<PlaceGraph>(estimate.maps));
+  EXPECT_EQ(estimate.failure, "it stopped");
 }
 
 TEST_F(LiveTracking, AHandicapLetsTheSystemActAsItWishes) {
   Seen seen;
   HandicapOptions handicap;
   handicap.pose_noise = 0.1;
-  TrackingThread tracker(std::make_unique<HandicappedSystem>(std::make_unique<Scanner>(seen, 3), handicap, 1));
+  TrackingThread tracker(std::make_unique<HandicappedSystem>(std::make_unique<Scanner>(seen, 3), handicap, 1), true);
   ASSERT_TRUE(tracker.acts());
   const Estimate estimate = TrackLive(simulation_, tracker, {});
   EXPECT_GT(seen.pans.size(), 30U);
-  EXPECT_TRUE(estimate.places.has_value());
+  EXPECT_TRUE(FindMap<PlaceGraph>(estimate.maps));
+  EXPECT_EQ(estimate.failure, "it stopped");
 }
 
 TEST_F(LiveTracking, WhatTheSystemThrowsIsThrownAgain) {
   Seen seen;
-  TrackingThread tracker(std::make_unique<Scanner>(seen, 100, true));
+  TrackingThread tracker(std::make_unique<Scanner>(seen, 100, true), true);
   EXPECT_THROW(TrackLive(simulation_, tracker, {}), std::runtime_error);
   EXPECT_EQ(seen.stamps.size(), 4U);
 }
@@ -120,7 +122,7 @@ TEST_F(LiveTracking, OthersAreNotWaitedForAndMayBeInterrupted) {
   options.interrupted = [&] { return shown == 6; };
   const Estimate estimate = TrackLive(simulation_, tracker, options);
   EXPECT_EQ(estimate.frames.size(), 6U);
-  EXPECT_FALSE(estimate.places.has_value());
+  EXPECT_TRUE(estimate.maps.empty());
   EXPECT_EQ(simulation_.status(), SimulationStatus::kWalking);
 }
 

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 const char* const kPlaces = R"(
 robot: khr1hv_pan
-place: robocup_field
+scene: robocup_field
 path: {head_tilt_rad: 0, settle_s: 0.4}
 camera: {width_px: 104, height_px: 80, hfov_deg: 56.9, rate_hz: 4, pitch_deg: 0, exposure_ms: 5, fixed_subframes: 1}
 localisation:

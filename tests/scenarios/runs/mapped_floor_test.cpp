@@ -1,6 +1,6 @@
-// Maps of the floor, from the place's own picture to the files that a run leaves behind.
+// Maps of the floor, from the scene's own picture to the files that a run leaves behind.
 
-#include "scenarios/runs/mapped_floor.h"
+#include "scenarios/code/runs/mapped_floor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "algorithms/core/errors.h"
-#include "scenarios/folders.h"
+#include "results/scoring/score.h"
+#include "scenarios/code/files/folders.h"
 #include "tests/scenarios/program.h"
 #include "tests/scenarios/temporary_folder.h"
 
@@ -22,45 +23,33 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// A right map of the table's left half, in the world of the truth.
-Estimate EstimateWithMap(const Place& place) {
+FloorPicture RightMap(const Scene& scene) {
   FloorPicture map;
   map.cell_m = 0.005;
-  map.corner_m = {place.floor_min.x() + 0.5 * map.cell_m, place.floor_max.y() - 0.5 * map.cell_m};
-  cv::cvtColor(FloorImage(place, 1 / map.cell_m), map.intensity, cv::COLOR_BGR2GRAY);
+  map.corner_m = {scene.floor_min.x() + 0.5 * map.cell_m, scene.floor_max.y() - 0.5 * map.cell_m};
+  cv::cvtColor(FloorImage(scene, 1 / map.cell_m), map.intensity, cv::COLOR_BGR2GRAY);
   map.sightings = cv::Mat::zeros(map.intensity.size(), CV_16UC1);
   map.sightings.colRange(0, map.sightings.cols / 2).setTo(9);
-  Estimate estimate;
-  estimate.floor = map;
-  return estimate;
+  return map;
 }
 
 TEST(MappedFloor, ThePlacesOwnPictureIsARightMap) {
-  const Place place = ReadPlace("tabletop", ModelsFolder());
+  const Scene scene = ReadScene("tabletop", ModelsFolder());
   Scores scores;
-  scores.scores = {{"ate_rmse_m", 0.1, "m", "", Better::kLower}};
-  const std::optional<FloorComparison> comparison = AddMapScores(EstimateWithMap(place), place, scores);
-  ASSERT_TRUE(comparison);
-  EXPECT_EQ(scores.scores.front().name, "ate_rmse_m");  // theirs come after what was there
-  EXPECT_EQ(scores.scores.size(), 1 + comparison->scores.size());
+  scores.scores = CompareMappedFloor(RightMap(scene), scene, {}).scores;
   EXPECT_GT(scores.Value("map_ncc"), 0.98);  // each picture samples the prints' fine textures its own way
   EXPECT_NEAR(scores.Value("map_area_m2"), 6, 0.05);
   EXPECT_LT(scores.Value("map_landmark_error_p90_m"), 0.001);
 
-  // It is the very place that was mapped.
-  const Place lab = ReadPlace("lab", ModelsFolder());
+  // It is the very scene that was mapped.
+  const Scene lab = ReadScene("lab", ModelsFolder());
   Scores elsewhere;
-  AddMapScores(EstimateWithMap(place), lab, elsewhere);
+  elsewhere.scores = CompareMappedFloor(RightMap(scene), lab, {}).scores;
   EXPECT_LT(elsewhere.Value("map_ncc"), 0.3);
 }
 
-TEST(MappedFloor, ASystemWithoutAMapHasNoScoresOfOne) {
-  Scores scores;
-  EXPECT_FALSE(AddMapScores(Estimate(), Place(), scores));
-  EXPECT_TRUE(scores.scores.empty());
-}
-
 TEST(MappedFloor, ThePictureOfALargeFloorIsOfLimitedSize) {
-  const Place hall = ReadPlace("hall", ModelsFolder());
+  const Scene hall = ReadScene("hall", ModelsFolder());
   const FloorTruth truth = FloorTruthOf(hall, 0.001);
   EXPECT_LE(double(truth.grey.total()), 64.1e6);
   EXPECT_NEAR((truth.Min() - hall.floor_min).norm(), 0, 2 / truth.px_per_m);
@@ -68,15 +57,13 @@ TEST(MappedFloor, ThePictureOfALargeFloorIsOfLimitedSize) {
 }
 
 TEST(MappedFloor, PicturesThatCannotBeWrittenAreAMissingResource) {
-  const Place place = ReadPlace("tabletop", ModelsFolder());
-  Scores scores;
-  EXPECT_THROW(WriteMapPictures(*AddMapScores(EstimateWithMap(place), place, scores), "/proc/nowhere"),
-               MissingResource);
+  const Scene scene = ReadScene("tabletop", ModelsFolder());
+  EXPECT_THROW(WriteMapPictures(CompareMappedFloor(RightMap(scene), scene, {}), "/proc/nowhere"), MissingResource);
 }
 
 /// Head down over the table's prints.
 const char* const kMappingWalk = R"(
-place: tabletop
+scene: tabletop
 start: [0.1, -0.45, 0]
 duration_s: 6
 gait: {preset: normal}

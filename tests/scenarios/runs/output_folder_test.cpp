@@ -1,4 +1,4 @@
-#include "scenarios/runs/output_folder.h"
+#include "scenarios/code/runs/output_folder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,58 @@
+/// Prior of a feature's inverse depth from a flat floor: a walking camera's height above it is nearly constant, so a
+/// feature below the horizon has, if it lies on the floor, a known inverse depth. This limits the scale drift of a
+/// monocular map, and gives new landmarks a depth when the robot turns on the spot.
+///
+/// Assumes that the camera is carried roughly level: the floor's normal lies within 35 degrees of the camera's up.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "algorithms/core/random.h"
+#include "algorithms/odometry/keyframe_map.h"
+
+namespace gaitcam {
+
+/// normal . p + height = 0 for points p in the camera's frame; the unit normal points up, the camera is `height` above.
+struct FloorPlane {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double height = 0;
+};
+
+/// The level plane with most inliers and next to no points below it, by RANSAC and least squares.
+/// @param points in the camera's frame, all below its centre (y > 0)
+/// @returns nothing if it has fewer than 40 inliers.
+std::optional<FloorPlane> FindFloor(const std::vector<Eigen::Vector3d>& points, RandomStream& random);
+
+class FloorPrior {
+ public:
+  /// Fits the floor to the landmarks below the camera. The first fit fixes the camera's height for good; later ones
+  /// update the normal alone.
+  void Update(const KeyframeMap& map, const Pose& X_WC, RandomStream& random);
+
+  /// Inverse depth of a feature if it lies on the floor. Nothing above or near the horizon, while no floor was found,
+  /// or where known landmarks stand before it: floor behind the foot of a wall cannot be seen.
+  /// @param xy normalised image coordinates
+  std::optional<DepthPrior> DepthAt(const Pose& X_WC, const Eigen::Vector2d& xy) const;
+
+  /// Forgets the height: a new map has a new unit.
+  void Clear() {
+    height_.reset();
+    obstacles_.clear();
+  }
+
+  std::optional<double> height() const { return height_; }  ///< Of the camera over the floor, in the map's unit.
+  const Eigen::Vector3d& normal() const { return normal_W_; }
+
+ private:
+  void FindObstacles(const KeyframeMap& map, const Pose& X_WC);
+  bool IsOccluded(const Pose& X_WC, const Eigen::Vector3d& floor_point_W) const;
+
+  std::optional<double> height_;
+  Eigen::Vector3d normal_W_ = Eigen::Vector3d::Zero();  ///< Up.
+  std::vector<Eigen::Vector3d> obstacles_;              ///< Landmarks well above the floor, in W.
+};
+
+}  // namespace gaitcam

@@ -1,0 +1,62 @@
+/// When a keyframe odometry adds a keyframe: once the camera has moved, turned or lost sight of landmarks, at the next
+/// frame that sees well. A frame blurred by a jerk would add poorly located landmarks and observe few of the known
+/// ones.
+
+#pragma once
+
+#include <vector>
+
+#include "algorithms/core/fields.h"
+#include "algorithms/core/pose.h"
+#include "algorithms/odometry/keyframe_map.h"
+
+namespace gaitcam {
+
+struct KeyframePolicyOptions {
+  using DescribedTag = void;
+
+  double keyframe_displacement_px = 8;  ///< Median displacement by parallax since the last keyframe; 0: every frame.
+  double keyframe_turn_deg = 12;        ///< Rotation since the last keyframe.
+  double keyframe_overlap = 0.6;        ///< Inliers lately over the most in a frame since the last keyframe.
+  int max_wait_frames = 10;             ///< A due keyframe waits at most so long for a frame that sees well.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, KeyframePolicyOptions& o) {
+  visit("keyframe_displacement_px", o.keyframe_displacement_px, Between(0.0, 1000.0),
+        "median displacement by parallax that makes a keyframe; 0: every frame");
+  visit("keyframe_turn_deg", o.keyframe_turn_deg, Between(0.1, 180.0), "rotation that makes a keyframe");
+  visit("keyframe_overlap", o.keyframe_overlap, Between(0.0, 1.0), "share of inliers left that makes a keyframe");
+  visit("max_wait_frames", o.max_wait_frames, Between(0, 1000), "frames that a due keyframe waits for a good one");
+}
+
+class KeyframePolicy {
+ public:
+  /// @param min_inliers with fewer than twice as many a due keyframe does not wait
+  KeyframePolicy(const KeyframePolicyOptions& options, double focal_px, int min_inliers)
+      : options_(options), focal_px_(focal_px), min_inliers_(min_inliers) {}
+
+  /// To be asked once for every frame that has a pose.
+  bool IsKeyframe(const KeyframeMap& map, const Pose& X_WC, const std::vector<LandmarkMatch>& inliers);
+
+  /// To be told of every keyframe.
+  void OnKeyframe(int inliers);
+
+  /// Low-pass filtered number of inliers per frame since the last keyframe; 0 before the first such frame.
+  double mean_inliers() const { return mean_inliers_; }
+  /// The same, or before the first such frame the last keyframe's.
+  double expected_inliers() const { return mean_inliers_ > 0 ? mean_inliers_ : keyframe_inliers_; }
+
+ private:
+  bool IsDue(const KeyframeMap& map, const Pose& X_WC, const std::vector<LandmarkMatch>& inliers) const;
+
+  KeyframePolicyOptions options_;
+  double focal_px_;
+  int min_inliers_;
+  double keyframe_inliers_ = 0;  ///< Of the last keyframe.
+  double mean_inliers_ = 0;
+  double max_inliers_ = 0;  ///< Of a frame since the last keyframe.
+  int waiting_frames_ = 0;  ///< Since a keyframe was due.
+};
+
+}  // namespace gaitcam

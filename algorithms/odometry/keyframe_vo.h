@@ -1,0 +1,99 @@
+/// Monocular visual odometry over keyframes: a map of inverse-depth landmarks, refined by bundle adjustment over the
+/// latest keyframes, against which every frame is localised.
+///
+/// Composed of
+/// - MapInitializer: the first two keyframes (thesis 5.4, steps 2 to 5);
+/// - LandmarkLocalizer: a frame's pose from landmarks near a prediction, or anywhere (relocalisation);
+/// - KeyframePolicy: which frame becomes a keyframe;
+/// - KeyframeMap: landmarks, keyframes, windowed bundle adjustment;
+/// - FloorPrior: depths of what lies on the floor, which keeps the scale;
+/// - FrameRecords: the final estimate, in which frames move along with their keyframes.
+///
+/// What it adds to the thesis's odometry (two_view_vo.h): a walking camera at 30 Hz moves by millimetres between
+/// frames, which leaves the direction of motion to noise; landmarks that live over many keyframes have a baseline.
+///
+/// No loop closure, and no motion model but a camera that stays about where it was. The world frame W is the reference
+/// frame's of the first map; its unit is the median depth there.
+
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/camera.h"
+#include "algorithms/core/estimate.h"
+#include "algorithms/core/fields.h"
+#include "algorithms/core/observation.h"
+#include "algorithms/odometry/frame_view.h"
+#include "algorithms/odometry/keyframe_policy.h"
+#include "algorithms/odometry/landmark_localizer.h"
+#include "algorithms/odometry/map_initializer.h"
+
+namespace gaitcam {
+
+struct KeyframeVoOptions {
+  using DescribedTag = void;
+
+  std::string feature = "mobif";  ///< Detector by name (algorithms/features/features.h).
+  int max_features = 800;         ///< Strongest features kept per frame.
+  double sensitivity = 4;         ///< The detector's own threshold is divided by this: blurred images need more.
+
+  // The fields of these are fields of these options.
+  MapInitializerOptions initializer;
+  LandmarkLocalizerOptions localizer;
+  KeyframePolicyOptions policy;
+
+  int window = 8;              ///< Keyframes refined together by bundle adjustment.
+  int adjust_iterations = 10;  ///< Largest number of iterations of one bundle adjustment.
+  int memory = 20;             ///< Keyframes after which a landmark that was not seen again is removed.
+  bool use_floor = true;       ///< FloorPrior.
+  bool use_imu = false;        ///< Predict each frame's rotation by integrating the gyroscope.
+  /// Frames before a map get poses as if the camera only turned; the final estimate replaces those it can.
+  bool rotation_before_map = false;
+  int max_lost_frames = 15;  ///< Frames without a pose after which the map is given up and another initialised.
+
+  /// The defaults with another detector.
+  static KeyframeVoOptions WithFeature(const std::string& feature, double sensitivity);
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
+  visit("feature", o.feature, FeatureNames(), "detector and descriptor");
+  visit("max_features", o.max_features, Between(50, 100000), "strongest features kept per frame");
+  visit("sensitivity", o.sensitivity, Between(0.01, 1000.0), "the detector's threshold is divided by this");
+  VisitFields(visit, o.initializer);
+  VisitFields(visit, o.localizer);
+  VisitFields(visit, o.policy);
+  visit("window", o.window, Between(2, 1000), "keyframes refined together by bundle adjustment");
+  visit("adjust_iterations", o.adjust_iterations, Between(1, 1000), "largest number of iterations of an adjustment");
+  visit("memory", o.memory, Between(1, 100000), "keyframes until an unseen landmark is removed");
+  visit("use_floor", o.use_floor, Nested(), "depths and scale by the camera's height over the floor");
+  visit("use_imu", o.use_imu, Nested(), "predict each frame's rotation by the gyroscope");
+  visit("rotation_before_map", o.rotation_before_map, Nested(), "frames before a map get poses without translation");
+  visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "frames without a pose until a new map");
+}
+
+class KeyframeVo {
+ public:
+  /// @throws BadOption if the camera or an option is out of range.
+  KeyframeVo(const Calibration& calibration, const KeyframeVoOptions& options, uint64_t seed);
+  ~KeyframeVo();
+
+  /// Answers one frame. An image without texture, or unlike all before it, is an answer without a pose, never an error.
+  /// `restarted` marks the first pose in a new map: that map starts at the last known pose, with the last known median
+  /// depth as its unit, which are assumptions. It marks, too, a pose beyond what `usual_speed` makes likely, accepted
+  /// because many landmarks agree.
+  /// @throws BadInput if the image's size is not the camera's.
+  FrameEstimate Track(const Observation& observation);
+
+  /// The final estimate of every frame, by the refined keyframes. Frames that waited for a map to be initialised have
+  /// poses in it; the first of them then is the one marked `restarted`.
+  std::vector<FrameEstimate> Finish() const;
+
+ private:
+  class Tracker;
+  std::unique_ptr<Tracker> tracker_;
+};
+
+}  // namespace gaitcam

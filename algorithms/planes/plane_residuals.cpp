@@ -1,0 +1,135 @@
+#include "algorithms/planes/plane_residuals.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace gaitcam {
+
+using internal::PixelJacobian;
+using internal::ToPixel;
+using internal::ToRay;
+
+ExposureMotion CurrentBlur::Motion(const Pose& X_CR) const {
+  if (ratio == 0) return ExposureMotion::Zero();
+  ExposureMotion motion = ratio * LogSe3(X_CR * X_RP);
+  if (turn) motion.tail<3>() = -*turn;
+  return motion;
+}
+
+PlaneResiduals::PlaneResiduals(const CameraModel& camera, int max_blur_samples, const PlaneReference& reference,
+                               const ImagePyramid& current, size_t k, const CurrentBlur& blur)
+    : camera_(camera),
+      max_blur_samples_(max_blur_samples),
+      reference_(reference.pyramid.levels[k]),
+      current_(current.levels[k]),
+      points_(reference.points[k]),
+      reference_blur_(reference.blur),
+      blur_(blur),
+      scale_(double(1 << k)) {
+  const double w = camera.width_px - 1, h = camera.height_px - 1;
+  const std::vector<Eigen::Vector3d> corners{ToRay(camera, 1, {0, h}), ToRay(camera, 1, {w, h}),
+                                             ToRay(camera, 1, {w / 2, h / 2})};
+  M_ = internal::NormalFromInverseDepths(corners);
+  M_inverse_ = M_.inverse();
+}
+
+Eigen::Vector2d PlaneResiduals::Path(const Eigen::Vector3d& p, const ExposureMotion& motion) const {
+  const Eigen::Vector3d displacement = motion.head<3>() + motion.tail<3>().cross(p);
+  return PixelJacobian(camera_, scale_, p) * displacement;
+}
+
+/// Mean along an exposure's path, with about one sample every second pixel.
+std::optional<ImageSample> PlaneResiduals::Average(const PyramidLevel& level, const Eigen::Vector2d& p,
+                                                   const Eigen::Vector2d& path) const {
+  const double length = path.norm();
+  const int wanted = length < 0.5 ? 1 : 1 + 2 * int(std::ceil((length - 0.5) / 2));
+  const int samples = std::min(wanted, max_blur_samples_);
+  if (samples == 1) {
+    if (!level.Contains(p)) return std::nullopt;
+    return level.At(p);
+  }
+  const Eigen::Vector2d half = 0.5 * path;
+  if (!level.Contains(p - half) || !level.Contains(p + half)) return std::nullopt;
+  ImageSample sum;
+  for (int i = 0; i < samples; ++i) {
+    const ImageSample sample = level.At(p + ((i + 0.5) / samples - 0.5) * path);
+    sum.intensity += sample.intensity;
+    sum.du += sample.du;
+    sum.dv += sample.dv;
+  }
+  const float share = 1.0F / float(samples);
+  return ImageSample{sum.intensity * share, sum.du * share, sum.dv * share};
+}
+
+PlaneResiduals::Shared PlaneResiduals::SharedOf(const PlaneState& state) const {
+  Shared s;
+  s.R = state.X_CR.R();
+  s.t = state.X_CR.translation;
+  s.n_d = state.normal_d;
+  s.H = s.R + s.t * s.n_d.transpose();
+  s.Mz = M_ * (M_inverse_ * s.n_d).asDiagonal();
+  s.gain = state.gain;
+  s.offset = state.offset;
+  s.blur = blur_.Motion(state.X_CR);
+  s.blurred = max_blur_samples_ > 1 && (!s.blur.isZero() || !reference_blur_.isZero());
+  return s;
+}
+
+std::optional<PlaneResidual> PlaneResiduals::ResidualAt(const Shared& s, const Eigen::Vector2d& p_R) const {
+  const Eigen::Vector3d ray = ToRay(camera_, scale_, p_R);
+  const double rho = s.n_d.dot(ray);
+  if (rho <= 1e-6) return std::nullopt;  // on or above the horizon
+  const Eigen::Vector3d p = s.H * ray;   // the point seen, times its inverse depth
+  if (p.z() <= 1e-3) return std::nullopt;
+  const Eigen::Matrix<double, 2, 3> dpixel = PixelJacobian(camera_, scale_, p);
+  Eigen::Matrix2d A = dpixel * s.H.leftCols<2>();  // d p_C / d p_R
+  A.col(0) *= scale_ / camera_.fx;
+  A.col(1) *= scale_ / camera_.fy;
+  if (std::abs(A.determinant()) < 1e-3) return std::nullopt;
+  const Eigen::Matrix2d A_inverse = A.inverse();
+
+  Eigen::Vector2d path_C = Eigen::Vector2d::Zero(), path_R = path_C;  // each in the other image
+  if (s.blurred) {
+    path_C = A_inverse * Path(p / rho, s.blur);
+    path_R = A * Path(ray / rho, reference_blur_);
+  }
+  const std::optional<ImageSample> seen = Average(current_, ToPixel(camera_, scale_, p), path_R);
+  const std::optional<ImageSample> expected = Average(reference_, p_R, path_C);
+  if (!seen || !expected) return std::nullopt;
+
+  PlaneResidual r;
+  r.reference = expected->intensity;
+  r.value = seen->intensity - (s.gain * r.reference + s.offset);
+  // Eq. 6.19: with the mean of both images' gradients, by the current pixel, the step is of second order.
+  const Eigen::RowVector2d gradient = 0.5 * (Eigen::RowVector2d(seen->du, seen->dv) +
+                                             s.gain * Eigen::RowVector2d(expected->du, expected->dv) * A_inverse);
+  const Eigen::RowVector3d by_point = gradient * dpixel;
+  const Eigen::RowVector3d by_point_R = by_point * s.R;
+  r.row.head<3>() = rho * by_point_R;
+  r.row.segment<3>(3) = ray.cross(by_point_R.transpose()).transpose();
+  r.row.tail<3>() = by_point.dot(s.t) * (ray.transpose() * s.Mz);
+  return r;
+}
+
+std::vector<PlaneResidual> PlaneResiduals::At(const PlaneState& state) const {
+  const Shared shared = SharedOf(state);
+  std::vector<PlaneResidual> residuals;
+  residuals.reserve(points_.size());
+  for (const Eigen::Vector2d& p : points_) {
+    if (std::optional<PlaneResidual> residual = ResidualAt(shared, p)) residuals.push_back(*residual);
+  }
+  return residuals;
+}
+
+double PlaneResiduals::Displacement_px(const PlaneState& state, const Eigen::Matrix<double, 9, 1>& step) const {
+  constexpr size_t kEvery = 16;
+  double sum = 0;
+  size_t count = 0;
+  for (size_t i = 0; i < points_.size(); i += kEvery, ++count) {
+    sum += (internal::WarpJacobian(camera_, scale_, state, M_, points_[i]) * step).squaredNorm();
+  }
+  return count == 0 ? 0 : std::sqrt(sum / double(count));
+}
+
+}  // namespace gaitcam

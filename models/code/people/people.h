@@ -1,0 +1,63 @@
+/// People in a scene: who they are, where they walk and how they look.
+///
+/// A person is a moving visual only: without contact or mass, and without collision avoidance. People and the robot
+/// pass through each other.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/option_reader.h"
+
+namespace gaitcam {
+
+/// One person, as a scene's or a scenario's list `people` says it.
+///
+///   people:
+///     - {name: passer-by, path: [[1, -2], [1, 2]], repeat: true, speed_m_s: 1.1, start_s: 3}
+///     - {name: onlooker, path: [[2, 0.5]], speed_m_s: 0, facing_deg: 180}
+struct PersonOptions {
+  using DescribedTag = void;
+  std::string name;
+  std::vector<Eigen::Vector2d> path;
+  bool repeat = false;
+  double speed_m_s = 1.2;
+  double start_s = 0;
+  double facing_deg = 0;
+  double height_m = 1.75;
+  Eigen::Vector3d trousers_rgb{0.2, 0.24, 0.36};
+  Eigen::Vector3d top_rgb{0.62, 0.2, 0.17};
+  Eigen::Vector3d shoes_rgb{0.13, 0.12, 0.12};
+  Eigen::Vector3d soles_rgb{0.85, 0.84, 0.8};
+  Eigen::Vector3d skin_rgb{0.8, 0.6, 0.48};
+  Eigen::Vector3d hair_rgb{0.22, 0.15, 0.1};
+  uint64_t seed = 0;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, PersonOptions& o) {
+  visit("name", o.name, AnyText(), "for people");
+  visit("path", o.path, Nested(), "corners of the path over the floor: [[x m, y m], ...]");
+  visit("repeat", o.repeat, Nested(), "walks back and forth for ever; otherwise stops at the last corner");
+  visit("speed_m_s", o.speed_m_s, Between(0, 2),
+        "while walking straight on; turns on the spot take time of their own. 0: stands at the path's first corner");
+  visit("start_s", o.start_s, Between(0, 36000), "stands at the first corner until then");
+  visit("facing_deg", o.facing_deg, AnyNumber(), "where somebody looks whose path has one point only; 0 is +x");
+  visit("height_m", o.height_m, Between(0.8, 2.2), "from the floor to the top of the head");
+  visit("trousers_rgb", o.trousers_rgb, Nested(), "display values 0..1");
+  visit("top_rgb", o.top_rgb, Nested(), "display values 0..1");
+  visit("shoes_rgb", o.shoes_rgb, Nested(), "display values 0..1");
+  visit("soles_rgb", o.soles_rgb, Nested(), "display values 0..1");
+  visit("skin_rgb", o.skin_rgb, Nested(), "display values 0..1");
+  visit("hair_rgb", o.hair_rgb, Nested(), "display values 0..1");
+  visit("seed", o.seed, AtLeast(0), "which part of the cloth the clothes are cut from");
+}
+
+/// Reads one person and checks the path and the colours.
+/// @throws BadInput naming file, line, key and what is expected.
+void ReadOption(const OptionValue& node, PersonOptions& person);
+
+}  // namespace gaitcam

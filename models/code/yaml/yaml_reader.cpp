@@ -1,0 +1,84 @@
+#include "models/code/yaml/yaml_reader.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr int kMaxDepth = 64;  // an alias within its own anchor would nest for ever
+
+OptionOrigin OriginOf(const YAML::Node& node, OptionOrigin origin) {
+  const YAML::Mark mark = node.Mark();
+  if (!origin.assignment.empty() || mark.is_null()) return origin;
+  origin.line = mark.line + 1;
+  origin.column = mark.column + 1;
+  return origin;
+}
+
+/// `origin` names the file or the assignment; the line is the node's.
+OptionValue FromNode(const YAML::Node& node, const OptionOrigin& origin, int depth = 0) {
+  const OptionOrigin here = OriginOf(node, origin);
+  if (depth > kMaxDepth) OptionValue::Nothing(here).Fail("nested too deeply");
+  if (node.IsScalar()) return OptionValue(node.Scalar(), here);
+  if (node.IsSequence()) {
+    std::vector<OptionValue> elements;
+    for (const YAML::Node& element : node) elements.push_back(FromNode(element, origin, depth + 1));
+    return OptionValue::List(std::move(elements), here);
+  }
+  if (!node.IsMap()) return OptionValue::Nothing(here);
+  std::vector<OptionValue::Entry> entries;
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar())
+      OptionValue::Nothing(OriginOf(entry.first, origin)).Fail("expected a plain word as a key");
+    entries.push_back({entry.first.Scalar(), OriginOf(entry.first, origin), FromNode(entry.second, origin, depth + 1)});
+  }
+  return OptionValue::Map(std::move(entries), here);
+}
+
+}  // namespace
+
+OptionValue LoadYaml(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream || std::filesystem::is_directory(file)) throw BadInput(file.string() + ": cannot read this file");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return ParseYaml(text.str(), file.string());
+}
+
+OptionValue ParseYaml(const std::string& text, const std::string& name) {
+  OptionOrigin origin;
+  origin.file = name;
+  try {
+    const YAML::Node root = YAML::Load(text);
+    if (root.IsNull()) return OptionValue::Map({}, origin);
+    const OptionValue value = FromNode(root, origin);
+    if (!value.IsMap()) value.Fail("expected a map of keys and values");
+    return value;
+  } catch (const YAML::ParserException& e) {
+    throw BadInput(name + ":" + std::to_string(e.mark.line + 1) + ":" + std::to_string(e.mark.column + 1) +
+                   ": not valid YAML: " + e.msg);
+  }
+}
+
+void SetOption(OptionValue& root, const std::string& assignment) {
+  const size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw BadInput("--set " + assignment + ": expected key=value, for example gait.period_s=0.3");
+  }
+  OptionOrigin origin;
+  origin.file = root.origin().file;  // relative paths are meant from there
+  origin.assignment = "--set " + assignment;
+  origin.assigned_key = assignment.substr(0, equals);
+  try {
+    root.Set(origin.assigned_key, FromNode(YAML::Load(assignment.substr(equals + 1)), origin));
+  } catch (const YAML::ParserException& e) {
+    throw BadInput("--set " + assignment + ": the value is not valid YAML: " + e.msg);
+  }
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,17 @@
+#include "results/scoring/score_catalogue.h"
+
+#include "results/scoring/floor_score.h"
+#include "results/scoring/place_graph_score.h"
+#include "results/scoring/pose_metrics.h"
+
+namespace gaitcam {
+
+std::vector<Score> ScoreCatalogue(const ScoreOptions& options) { return NamesOf(PoseMetrics(options, true)); }
+
+std::vector<Score> MapScoreCatalogue() {
+  std::vector<Score> catalogue = NamesOf(FloorMetrics({}));
+  for (const Score& score : NamesOf(PlaceGraphMetrics())) catalogue.push_back(score);
+  return catalogue;
+}
+
+}  // namespace gaitcam

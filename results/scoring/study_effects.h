@@ -1,0 +1,66 @@
+/// Statistics of a study: medians with confidence intervals, and paired effects of each factor.
+
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "results/scoring/statistics.h"
+#include "results/scoring/study_table.h"
+
+namespace gaitcam {
+
+struct StudyStatistics {
+  double confidence = 0.95;  ///< Of all intervals.
+  int resamples = 2000;      ///< Of bootstrap intervals.
+};
+
+/// A median over the runs that have the score.
+struct MedianRow {
+  size_t n = 0;     ///< Runs that have it,
+  size_t runs = 0;  ///< of so many.
+  double median = 0;
+  ConfidenceInterval interval;  ///< Percentile bootstrap.
+};
+
+/// Median of a score over some runs. `label` names the random stream: the same runs have the same interval.
+MedianRow SummarizeRuns(const std::vector<const StudyRun*>& runs, const std::string& score,
+                        const StudyStatistics& statistics, const std::string& label);
+
+/// summary.csv: one row per condition and metric, over the seeds.
+std::string SummaryCsv(const StudyTable& table, const StudyStatistics& statistics);
+
+/// One axis's level against its reference level, paired by seed and by the levels of all other axes.
+struct StudyEffect {
+  size_t axis = 0, level = 0;
+  std::optional<std::pair<size_t, size_t>> within;  ///< Only runs of this other axis and level of it.
+  Score metric;
+  size_t pairs = 0;         ///< Pairs in which both have the score,
+  size_t unpaired = 0;      ///< and in which one or both do not.
+  double reference = 0;     ///< Median of the reference runs of the pairs.
+  double shift = 0;         ///< Hodges-Lehmann: how much the score changes from the reference to the level.
+  ConfidenceInterval ends;  ///< Of the shift, by inverting the signed-rank test; NaN if there are too few pairs for it.
+  double p = 1;             ///< Wilcoxon's signed-rank test, two-sided; 1 without pairs.
+  double p_holm = 1;        ///< Corrected for all effects of the study.
+
+  /// -1 worse, 1 better, 0 not significant at 1 - confidence or neither.
+  int Verdict(double confidence) const;
+};
+
+/// All effects, the surest first, then the largest part of the reference. Scores that are best near 1 or 0 are compared
+/// by their distance from it. If `by` names an axis, each effect of the others stands also within each of its levels.
+std::vector<StudyEffect> RankEffects(const StudyTable& table, const StudyStatistics& statistics,
+                                     std::optional<size_t> by);
+
+/// effects.csv, in the order given.
+std::string EffectsCsv(const StudyTable& table, const std::vector<StudyEffect>& effects);
+
+/// "exposure=20 vs 0", "exposure=20 vs 0, system=sift_vo".
+std::string EffectText(const StudyTable& table, const StudyEffect& effect);
+
+/// Interval of the shift that belongs to the signed-rank test (Hollander & Wolfe, 3.3): order statistics of the means
+/// of all pairs of differences. NaN where no such interval reaches the confidence (fewer than 6 pairs for 95 %).
+ConfidenceInterval ShiftInterval(const std::vector<double>& differences, double confidence);
+
+}  // namespace gaitcam

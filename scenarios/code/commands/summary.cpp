@@ -1,0 +1,28 @@
+#include "scenarios/code/commands/summary.h"
+
+#include <fmt/format.h>
+
+#include "results/scoring/score_text.h"
+
+namespace gaitcam {
+
+std::string SummaryText(const Scores& scores, const std::vector<Score>& of_film, bool all) {
+  Scores shown;
+  size_t left_out = 0;
+  for (const auto list : {&Scores::scores, &Scores::timing}) {
+    for (const Score& score : scores.*list) {
+      if (all || score.headline) {
+        (shown.*list).push_back(score);
+      } else {
+        ++left_out;
+      }
+    }
+  }
+  shown.scores.insert(shown.scores.end(), of_film.begin(), of_film.end());
+  shown.remarks = scores.remarks;
+  std::string text = ScoresToTable(shown);
+  if (left_out > 0) text += fmt::format("({} more scores with --all)\n", left_out);
+  return text;
+}
+
+}  // namespace gaitcam

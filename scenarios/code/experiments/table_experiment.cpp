@@ -1,0 +1,97 @@
+#include "scenarios/code/experiments/table_experiment.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string PathText(const std::string& path) {
+  const fs::path normal = fs::path(path).lexically_normal();
+  if (normal.is_relative()) return normal.string();
+  return (normal.has_filename() ? normal : normal.parent_path()).filename().string();
+}
+
+/// The words of one option, each with a blank before it.
+struct WordsOf {
+  const std::string flag;
+  std::string operator()(const bool* value) const { return *value ? " " + flag : ""; }
+  std::string operator()(const int* value) const { return fmt::format(" {} {}", flag, *value); }
+  std::string operator()(const double* value) const { return fmt::format(" {} {:g}", flag, *value); }
+  std::string operator()(const uint64_t* value) const { return fmt::format(" {} {}", flag, *value); }
+  std::string operator()(const std::string* value) const { return " " + flag + " " + PathText(*value); }
+  std::string operator()(const std::vector<std::string>* value) const {
+    std::string text;
+    for (const std::string& word : *value) text += " " + flag + " " + PathText(word);
+    return text;
+  }
+  std::string operator()(const InputPaths* value) const {
+    std::string text;
+    for (const std::string& path : value->paths) text += " " + PathText(path);
+    return text;
+  }
+};
+
+}  // namespace
+
+std::string ExperimentOption::Flag() const {
+  std::string flag = "--" + key;
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+std::string ExperimentOption::ToText() const { return std::visit(WordsOf{Flag()}, value); }
+
+const std::vector<ExperimentEntry>& ListExperiments() {
+  static const std::vector<ExperimentEntry> entries{
+      {"features", "detectors and descriptors on blurred images whose true correspondences are known",
+       "gaitcam experiment features --out results/features.md\n"
+       "gaitcam experiment features oxford/graf oxford/boat --detector sift --detector mobif",
+       MakeBlurredFeatures},
+      {"localisation", "in which place of a grid a view was taken, by every method",
+       "gaitcam experiment localisation --out results/localisation_seed1.md\n"
+       "gaitcam experiment localisation --set localisation.wavelet.prefilter=0.5",
+       MakeLocalisationTable},
+      {"odometry", "systems on the recorded walks of studies, with a picture of the paths",
+       "gaitcam experiment odometry scenarios/studies/odometry_lab_loop.yaml --seeds 2 --out results/odometry.md",
+       MakeRecordedOdometry},
+      {"place_distance", "how the similarity of panoramas falls with the distance between them",
+       "gaitcam run scenarios/khr1hv_loops.yaml --seed 1 --out runs/loops1\n"
+       "gaitcam experiment place_distance runs/loops1",
+       MakePlaceDistance},
+      {"planes", "direct alignment of pictures of floors with known motion and blur",
+       "gaitcam experiment planes --out results/planes.md", MakeFloorAlignment},
+      {"psf", "estimated against true point spread functions, on photographs and on a walk",
+       "gaitcam experiment psf --frames 20 --out results/psf.md", MakeBlurEstimation},
+      {"walking", "every humanoid, gait preset and path over several seeds: falls, speed, tilt, path error",
+       "gaitcam experiment walking --out results/walking.md\n"
+       "gaitcam experiment walking --robot khr1hv --preset brisk",
+       MakeWalking}};
+  return entries;
+}
+
+std::string ExperimentCommand(const ExperimentEntry& entry, TableExperiment& experiment) {
+  const std::unique_ptr<TableExperiment> defaults = entry.make();
+  const OptionList given = experiment.Options(), usual = defaults->Options();
+  std::string text = "gaitcam experiment " + entry.name;
+  for (size_t i = 0; i < given.options.size(); ++i) {
+    const std::string words = given.options[i].ToText();
+    if (words != usual.options[i].ToText()) text += words;
+  }
+  return text;
+}
+
+void InParallel(int count, int jobs, const std::function<void(int)>& fn) {
+  const size_t threads = jobs > 0 ? size_t(jobs) : std::max(1U, std::thread::hardware_concurrency());
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  tbb::parallel_for(0, count, fn, tbb::simple_partitioner());
+}
+
+}  // namespace gaitcam

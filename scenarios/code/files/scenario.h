@@ -1,0 +1,199 @@
+/// A scenario: who walks how, where, filmed by what, tracked by which system, and scored how. One YAML file.
+
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/option_reader.h"
+#include "algorithms/io/dataset_layout.h"
+#include "algorithms/io/trajectory_file.h"
+#include "algorithms/slam/system.h"
+#include "models/code/robots/gait.h"
+#include "models/code/robots/robot.h"
+#include "models/code/scenes/scene.h"
+#include "results/scoring/score.h"
+#include "scenarios/code/files/localisation_options.h"
+#include "sim/camera/camera_rig.h"
+#include "sim/sensors/sensors.h"
+#include "sim/walking/head_scan.h"
+#include "sim/walking/omni_drive.h"
+#include "sim/walking/path.h"
+#include "sim/world/world.h"
+
+namespace YAML {
+class Emitter;
+}
+
+namespace gaitcam {
+
+/// `gait:` a preset of the robot, and single numbers that differ from it.
+struct GaitChoice {
+  using DescribedTag = void;
+  std::string preset = "normal";
+  GaitOptions options;  ///< The preset with the scenario's changes, once resolved.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, GaitChoice& o) {
+  visit("preset", o.preset, AnyText(), "a preset of the robot: slow, normal, brisk, or one of its own");
+  VisitFields(visit, o.options);
+}
+
+/// Somebody else's SLAM: any executable that reads a dataset folder and writes a trajectory file.
+struct ExternalCommand {
+  using DescribedTag = void;
+  std::vector<std::string> command;
+  DatasetFormat dataset = DatasetFormat::kTum;
+  TrajectoryFormat format = TrajectoryFormat::kTum;
+  double time_limit_s = 600;
+  std::string name;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, ExternalCommand& o) {
+  visit("command", o.command, Nested(),
+        "program and arguments; {dataset}, {output}, {calibration}, {seed} are filled in. A program with a / is looked "
+        "for beside the scenario file first");
+  visit("dataset", o.dataset, EnumWords<DatasetFormat>(), "layout of the dataset folder that it reads");
+  visit("format", o.format, EnumWords<TrajectoryFormat>(), "of the trajectory that it writes");
+  visit("time_limit_s", o.time_limit_s, Between(0.1, 1e6), "then it is killed, with all that it started");
+  visit("name", o.name, AnyText(), "as scores and tables call it; the program's name unless given");
+}
+
+/// `system:` a name, or a map of a name and settings: `{name: mobif_vo, feature: akaze, ratio: 0.8}`, or an executable:
+/// `{command: [./my_slam, "{dataset}", "{output}"], format: tum}`.
+struct SystemChoice {
+  std::string name = "sift_vo";
+  SystemSettings settings;
+  std::optional<ExternalCommand> external;  ///< Then `name` is its name and there are no settings.
+};
+
+/// `handicap:` makes the system worse on purpose, to prove that a gate catches it. The defaults change nothing.
+struct HandicapOptions {
+  using DescribedTag = void;
+  double pose_noise = 0;
+  double pose_noise_deg = 0;
+  int drop_every = 0;
+  double focal_factor = 1;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, HandicapOptions& o) {
+  visit("pose_noise", o.pose_noise, Between(0, 100),
+        "standard deviation added to every position, per axis, in the estimate's own unit");
+  visit("pose_noise_deg", o.pose_noise_deg, Between(0, 180), "standard deviation added to every orientation");
+  visit("drop_every", o.drop_every, Between(0, 1000000), "every n-th frame never reaches the system; 0: all do");
+  visit("focal_factor", o.focal_factor, Between(0.1, 10),
+        "the system is told a focal length that is off by this factor");
+}
+
+/// The settings that a map has beside its key `name`. A setting within a group is named with a dot, whether it is
+/// written `{matching.ratio: 0.8}` or `{matching: {ratio: 0.8}}`.
+/// @throws BadInput for a list.
+SystemSettings ReadSettings(const OptionValue& node);
+void ReadOption(const OptionValue& node, SystemChoice& value);
+void WriteYaml(YAML::Emitter& out, const SystemChoice& value);
+
+/// `video:` the short film that goes with a report.
+struct ReportFilmOptions {
+  using DescribedTag = void;
+  bool enabled = true;
+  double rate_hz = 15;
+  int height_px = 270;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, ReportFilmOptions& o) {
+  visit("enabled", o.enabled, Nested(), "write walk.mp4");
+  visit("rate_hz", o.rate_hz, Between(1, 60), "film frames per second of the walk");
+  visit("height_px", o.height_px, Between(120, 1080), "of both halves of the film");
+}
+
+struct Scenario {
+  using DescribedTag = void;
+  static constexpr std::array kRenamedKeys{RenamedKey{"place", "scene"}};
+
+  std::string name;
+  std::string description;
+  std::string robot = "khr1hv";
+  std::string scene = "lab";
+  std::vector<PersonOptions> people;
+  uint64_t seed = 1;
+  double duration_s = 20;
+  std::optional<Eigen::Vector3d> start;
+  GaitChoice gait;
+  PathOptions path;
+  PhysicsOptions physics;
+  OmniDriveOptions drive;
+  CameraOptions camera;
+  SensorOptions sensors;
+  std::optional<HeadScanOptions> scan;
+  std::optional<LocalisationOptions> localisation;
+  SystemChoice system;
+  std::optional<uint64_t> system_seed;
+  HandicapOptions handicap;
+  ScoreOptions score;
+  ReportFilmOptions video;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, Scenario& o) {
+  visit("name", o.name, AnyText(), "defaults to the file's name");
+  visit("description", o.description, AnyText(), "one line for people");
+  visit("robot", o.robot, AnyText(), "shipped robot, or path of a robot YAML");
+  visit("scene", o.scene, AnyText(), "shipped scene, or path of a scene YAML");
+  visit("people", o.people, Nested(), "who walks or stands there besides the scene's own people");
+  visit("seed", o.seed, AtLeast(0), "all randomness of the run derives from it");
+  visit("duration_s", o.duration_s, Between(0, 36000),
+        "the walk ends here, or when the path ends, whichever is first; 0: when the path ends");
+  visit("start", o.start, Nested(), "x m, y m, yaw deg; the scene's start if absent");
+  visit("gait", o.gait, Nested(), "how to walk");
+  visit("path", o.path, Nested(), "where to walk");
+  visit("physics", o.physics, Nested(), "MuJoCo's step, and what is off about masses and friction");
+  visit("drive", o.drive, Nested(), "wheeled base only: speed and vibration");
+  visit("camera", o.camera, Nested(), "the head camera");
+  visit("sensors", o.sensors, Nested(), "IMU, encoders");
+  visit("scan", o.scan, Nested(), "how the robot looks all around when its system asks for it");
+  visit("localisation", o.localisation, Nested(), "`run` recognises places on a grid instead of walking");
+  visit("system", o.system, Nested(), "SLAM system: a name, or {name: ..., setting: ...}");
+  visit("system_seed", o.system_seed, Nested(), "randomness of the SLAM system alone; absent: as seed");
+  visit("handicap", o.handicap, Nested(), "makes the system worse on purpose, to prove a gate");
+  visit("score", o.score, Nested(), "association and alignment");
+  visit("video", o.video, Nested(), "the film of the report");
+}
+
+/// A scenario and all that it names, read and checked: nothing of the user's input is left to fail during the run.
+struct ResolvedScenario {
+  Scenario scenario;
+  Robot robot;
+  Scene scene;
+  std::filesystem::path file;
+
+  /// The whole scenario as YAML, every default written out; reading it again gives the same run.
+  std::string ToYaml() const;
+};
+
+/// SHA-256 of everything that decides a run's numbers: the resolved scenario with what its robot and scene files hold,
+/// but neither names for people, nor the film, nor where files lie.
+std::string HashOf(const ResolvedScenario& resolved);
+/// ... that decides the frames: not the system, nor how it is scored.
+std::string FramesHashOf(const ResolvedScenario& resolved);
+
+/// Robots and scenes that were read already: making a scene's textures takes a while.
+struct ModelShelf {
+  std::map<std::string, Robot> robots;
+  std::map<std::string, Scene> scenes;
+};
+
+/// Reads a scenario file, applies `--set` assignments in order, and resolves robot, scene and gait.
+/// @param shelf for those who read many scenarios of the same models.
+/// @throws BadInput or BadOption with one line: file, line, column, key, value and what would be right.
+ResolvedScenario ReadScenario(const std::filesystem::path& file, const std::vector<std::string>& assignments,
+                              ModelShelf* shelf = nullptr);
+
+}  // namespace gaitcam

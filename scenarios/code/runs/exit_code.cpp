@@ -1,0 +1,32 @@
+#include "scenarios/code/runs/exit_code.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+
+int Fail(int code, const std::string& line) {
+  std::fflush(stdout);
+  std::fprintf(stderr, "gaitcam: %s\n", line.c_str());
+  return code;
+}
+
+int WithExitCode(const std::function<int()>& work) {
+  try {
+    return work();
+  } catch (const BadInput& e) {
+    return Fail(2, e.what());
+  } catch (const TooLittleData& e) {
+    return Fail(3, e.what());
+  } catch (const MissingResource& e) {
+    return Fail(4, e.what());
+  } catch (const std::filesystem::filesystem_error& e) {
+    return Fail(4, e.what());  // disk full, no permission
+  } catch (const std::exception& e) {
+    return Fail(70, std::string("internal error, please report it: ") + e.what());
+  }
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,27 @@
+/// A walk that is simulated and tracked at once: how a system that acts on the body gets its way.
+
+#pragma once
+
+#include <functional>
+
+#include "algorithms/core/estimate.h"
+#include "scenarios/code/runs/tracking_thread.h"
+#include "sim/simulation.h"
+
+namespace gaitcam {
+
+struct LiveTrackingOptions {
+  std::function<bool()> interrupted = [] { return false; };
+  /// Asked before each frame: which costly parts of the truth are wanted of it.
+  std::function<TruthOptions()> wanted_truth = [] { return TruthOptions(); };
+  /// Shown each frame before the system is.
+  std::function<void(const SimulatedFrame&)> on_frame = [](const SimulatedFrame&) {};
+};
+
+/// Simulates to the end and hands every observation to the system; truth stays on this side. A system that acts is
+/// waited for at each frame and the body does what it asks; any other one tracks while the next frames are made.
+/// @throws what the simulation or the system throws; BadInput if the system commands what the robot cannot
+/// do (Simulation::Command).
+Estimate TrackLive(Simulation& simulation, TrackingThread& tracker, const LiveTrackingOptions& options);
+
+}  // namespace gaitcam

@@ -1,0 +1,79 @@
+#include "scenarios/code/runs/map_results.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/io/landmark_map_file.h"
+#include "algorithms/io/occupancy_grid_file.h"
+#include "algorithms/io/place_graph_file.h"
+#include "results/reports/report_graph.h"
+#include "results/reports/report_map.h"
+#include "results/scoring/place_graph_score.h"
+#include "scenarios/code/runs/mapped_floor.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+void WritePanoramas(const PlaceGraph& graph, const fs::path& folder) {
+  fs::create_directories(folder);
+  for (size_t n = 0; n < graph.nodes.size(); ++n) {
+    if (graph.nodes[n].panorama.empty()) continue;
+    const fs::path file = folder / fmt::format("place_{:03}.png", n);
+    if (!cv::imwrite(file.string(), graph.nodes[n].panorama))
+      throw MissingResource(file.string() + ": cannot be written");
+  }
+}
+
+}  // namespace
+
+MapResult ResultOf(const FloorPicture& map, const MapContext& context) {
+  if (!context.poses.HasPoses()) return {};
+  const auto comparison =
+      std::make_shared<const FloorComparison>(CompareMappedFloor(map, context.scene, context.poses.se3.X_WV));
+  MapResult result;
+  result.scores = comparison->scores;
+  result.write = [comparison](const fs::path& folder) { WriteMapPictures(*comparison, folder / "map"); };
+  result.section = [comparison, &truth = context.truth, estimate = context.poses.aligned_se3] {
+    return FloorReportSection(*comparison, truth, estimate);
+  };
+  return result;
+}
+
+MapResult ResultOf(const PlaceGraph& map, const MapContext& context) {
+  const auto comparison = std::make_shared<const PlaceGraphComparison>(ComparePlaceGraph(map, context.truth));
+  MapResult result;
+  result.scores = comparison->scores;
+  result.write = [comparison, &map](const fs::path& folder) {
+    WritePlaceGraph(folder / "places.graphml", map, comparison->nodes_m);
+    WritePanoramas(map, folder / "panoramas");
+  };
+  result.section = [comparison, &map] { return PlaceReportSection(*comparison, map); };
+  return result;
+}
+
+MapResult ResultOf(const LandmarkMap& map, const MapContext&) {
+  MapResult result;
+  result.write = [&map](const fs::path& folder) { WriteLandmarkMap(folder / "landmarks.csv", map); };
+  return result;
+}
+
+MapResult ResultOf(const OccupancyGrid& map, const MapContext&) {
+  MapResult result;
+  result.write = [&map](const fs::path& folder) { WriteOccupancyGrid(folder / "grid.yaml", map); };
+  return result;
+}
+
+std::vector<MapResult> ResultsOf(const std::vector<Map>& maps, const MapContext& context) {
+  std::vector<MapResult> results;
+  for (const Map& map : maps) {
+    results.push_back(std::visit([&](const auto& kind) { return ResultOf(kind, context); }, map));
+  }
+  return results;
+}
+
+}  // namespace gaitcam

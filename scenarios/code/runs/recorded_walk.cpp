@@ -1,0 +1,128 @@
+#include "scenarios/code/runs/recorded_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/io/calibration_file.h"
+#include "algorithms/io/dataset_reader.h"
+#include "algorithms/io/image_file.h"
+#include "algorithms/io/text_table.h"
+#include "algorithms/io/trajectory_file.h"
+#include "results/scoring/statistics.h"
+
+namespace gaitcam {
+namespace fs = std::filesystem;
+namespace {
+
+using FilesByStamp = std::map<int64_t, fs::path>;
+
+/// TUM: rows "t file" beside the files' folder. EuRoC: rows "t,file" of a camera's data.csv.
+FilesByStamp ReadImageTable(const fs::path& table_file, bool tum) {
+  FilesByStamp files;
+  if (!fs::exists(table_file)) return files;
+  TextTable table(table_file, tum ? ' ' : ',');
+  const fs::path folder = tum ? table_file.parent_path() : table_file.parent_path() / "data";
+  while (table.Next()) {
+    const int64_t stamp_ns = tum ? table.SecondsAsNs(0, "the time in seconds") : table.Integer(0, "the time in ns");
+    files[stamp_ns] = folder / std::string(table.Text(1, "the name of an image file"));
+  }
+  return files;
+}
+
+std::map<int64_t, double> ReadExposures(const fs::path& file) {
+  std::map<int64_t, double> exposures;
+  if (!fs::exists(file)) return exposures;
+  TextTable table(file, ',');
+  while (table.Next()) exposures[table.Integer(0, "the time in ns")] = table.Number(1, "the exposure in ms");
+  return exposures;
+}
+
+Pose ReadPose(const TextTable& table, size_t column) {
+  double n[7];
+  for (size_t i = 0; i < 7; ++i) n[i] = table.Number(column + i, "a pose's number");
+  return Pose(Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]});
+}
+
+constexpr size_t kOpen = 1, kClose = 8, kBlur = 15;  // columns of frames.csv
+
+template <class Map>
+typename Map::mapped_type At(const Map& map, int64_t stamp_ns) {
+  const auto it = map.find(stamp_ns);
+  return it == map.end() ? typename Map::mapped_type() : it->second;
+}
+
+}  // namespace
+
+std::vector<FrameTruth> ReadRecordedTruth(const DatasetFolders& folders) {
+  std::vector<FrameTruth> frames;
+  TextTable table(folders.truth / "frames.csv", ',');
+  while (table.Next()) {
+    FrameTruth& frame = frames.emplace_back();
+    frame.stamp_ns = table.Integer(0, "the time in ns");
+    frame.X_WC_open = ReadPose(table, kOpen);
+    frame.X_WC_close = ReadPose(table, kClose);
+    frame.blur_median_px = table.Number(kBlur, "blur_median_px");
+    frame.blur_p90_px = table.Number(kBlur + 1, "blur_p90_px");
+    frame.blur_max_px = table.Number(kBlur + 2, "blur_max_px");
+  }
+  return frames;
+}
+
+RecordedWalk ReadRecordedWalk(const DatasetFolders& folders) {
+  const bool tum = FormatOfDataset(folders.sensors) == DatasetFormat::kTum;
+  const fs::path &sensors = folders.sensors, &truth = folders.truth;
+  RecordedWalk walk{folders, ReadCalibration(sensors / "calibration.yaml"), {}};
+  const FilesByStamp images = ReadImageTable(sensors / (tum ? "rgb.txt" : "mav0/cam0/data.csv"), tum);
+  const FilesByStamp sharp = ReadImageTable(truth / "sharp.txt", true);
+  const FilesByStamp depth = ReadImageTable(truth / "depth.txt", true), blur = ReadImageTable(truth / "blur.txt", true);
+  const std::map<int64_t, double> exposures = ReadExposures(sensors / "exposure.csv");
+  std::map<int64_t, Pose> poses;
+  for (const StampedPose& p : ReadTrajectory(truth / "groundtruth.txt", TrajectoryFormat::kTum).trajectory)
+    poses[p.stamp_ns] = p.pose;
+  for (const FrameTruth& row : ReadRecordedTruth(folders)) {
+    RecordedFrame frame;
+    static_cast<FrameTruth&>(frame) = row;
+    if (images.count(frame.stamp_ns) == 0 || poses.count(frame.stamp_ns) == 0) continue;
+    frame.exposure_ms = At(exposures, frame.stamp_ns);
+    frame.image = At(images, frame.stamp_ns);
+    frame.sharp = At(sharp, frame.stamp_ns);
+    frame.depth = At(depth, frame.stamp_ns);
+    frame.blur = At(blur, frame.stamp_ns);
+    frame.X_WC = poses[frame.stamp_ns];
+    walk.frames.push_back(std::move(frame));
+  }
+  return walk;
+}
+
+cv::Mat ReadTrueDepth(const RecordedWalk& walk, const RecordedFrame& frame) {
+  const fs::path exact = walk.folders.truth / "depth_exact" / (std::to_string(frame.stamp_ns) + ".tiff");
+  return fs::exists(exact) ? ReadDepthTiff(exact, "") : ReadDepthPng(frame.depth, "");
+}
+
+std::optional<double> DepthAt(const cv::Mat& depth, const Eigen::Vector2d& pixel) {
+  const int x = int(std::floor(pixel.x())), y = int(std::floor(pixel.y()));
+  if (x < 0 || y < 0 || x + 1 >= depth.cols || y + 1 >= depth.rows) return std::nullopt;
+  const double a = pixel.x() - x, b = pixel.y() - y;
+  double inverse = 0, nearest = HUGE_VAL, farthest = 0;
+  for (const auto& [dx, dy, w] : {std::tuple{0, 0, (1 - a) * (1 - b)}, std::tuple{1, 0, a * (1 - b)},
+                                  std::tuple{0, 1, (1 - a) * b}, std::tuple{1, 1, a * b}}) {
+    const double z = double(depth.at<float>(y + dy, x + dx));
+    if (!(z > 0)) return std::nullopt;
+    inverse += w / z;
+    nearest = std::min(nearest, z);
+    farthest = std::max(farthest, z);
+  }
+  if (farthest > 1.05 * nearest) return std::nullopt;
+  return 1 / inverse;
+}
+
+BlurSummary SummariseBlur(const RecordedWalk& walk) {
+  std::vector<double> medians;
+  for (const RecordedFrame& frame : walk.frames) medians.push_back(frame.blur_median_px);
+  if (medians.empty()) return {};
+  return {QuantileOf(medians, 0.5), QuantileOf(medians, 0.9), QuantileOf(medians, 1)};
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,44 @@
+#include "scenarios/code/runs/recorder.h"
+
+#include <fmt/format.h>
+
+#include "algorithms/core/errors.h"
+#include "scenarios/code/runs/output_folder.h"
+#include "scenarios/code/runs/progress.h"
+
+namespace gaitcam {
+RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFolders& folders,
+                             const RecordOptions& options) {
+  const Scenario& scenario = resolved.scenario;
+  if (scenario.localisation)
+    throw BadInput(scenario.name + ": `localisation` has no walk to record; it is done by `gaitcam run` alone");
+  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(scenario), scenario.seed);
+  DatasetWriter writer(folders, simulation.calibration(), options.format);
+  const int64_t expected = simulation.ExpectedFrames();
+  Progress bar("recording " + scenario.name, expected, options.quiet || options.progress);
+  const TruthOptions wanted{options.truth_images, options.truth_images,
+                            true};  // the blur's numbers come from its vectors
+  while (!options.interrupted()) {
+    std::optional<SimulatedFrame> frame = simulation.Next(wanted);
+    if (!frame) break;
+    FilmedTruth truth = std::move(frame->truth);
+    if (!options.truth_images) truth.sharp = truth.depth = truth.blur = cv::Mat();
+    writer.Add(frame->observation, truth);
+    bar.Update(writer.frames());
+    if (options.progress) options.progress(writer.frames(), expected);
+  }
+  bar.Finish();
+  RecordOutcome outcome;
+  outcome.folders = folders;
+  outcome.status = StatusText(EndOf(simulation));
+  outcome.end_time_s = simulation.end_time_s();
+  outcome.distance_m = simulation.distance_m();
+  outcome.frames = writer.frames();
+  outcome.renderer = simulation.gl().renderer();
+  outcome.software_renderer = simulation.gl().is_software();
+  writer.Finish(fmt::format("{} at {:.3f} s", outcome.status, outcome.end_time_s));
+  WriteTextFile(folders.truth / "scenario.yaml", resolved.ToYaml());
+  return outcome;
+}
+
+}  // namespace gaitcam

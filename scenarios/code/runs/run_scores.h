@@ -1,0 +1,34 @@
+/// Everything that there is to score of a run: poses and maps.
+
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/estimate.h"
+#include "algorithms/core/trajectory.h"
+#include "models/code/scenes/scene.h"
+#include "results/scoring/score.h"
+#include "scenarios/code/runs/map_results.h"
+
+namespace gaitcam {
+
+struct RunScores {
+  std::optional<Scores> scores;
+  std::string not_scored;       ///< Why there are none.
+  std::vector<MapResult> maps;  ///< Of Estimate::maps, which must outlive them.
+};
+
+/// Scores of maps follow those of the poses. A system that gives a graph of places and no poses is scored by its graph
+/// alone. The result refers to `estimate`
+/// and `truth`, which must outlive it.
+RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
+                   const Scene& scene, const ScoreOptions& options);
+
+/// Each map's files into a run's folder. @throws MissingResource if one cannot be written.
+void WriteMaps(const RunScores& scores, const std::filesystem::path& folder);
+
+}  // namespace gaitcam

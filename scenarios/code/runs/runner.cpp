@@ -1,0 +1,192 @@
+#include "scenarios/code/runs/runner.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/io/covariance_file.h"
+#include "algorithms/io/trajectory_file.h"
+#include "results/reports/video.h"
+#include "results/scoring/score_text.h"
+#include "results/scoring/statistics.h"
+#include "scenarios/code/files/versions.h"
+#include "scenarios/code/runs/live_tracking.h"
+#include "scenarios/code/runs/output_folder.h"
+#include "scenarios/code/runs/place_views.h"
+#include "scenarios/code/runs/progress.h"
+#include "scenarios/code/runs/run_log.h"
+#include "scenarios/code/runs/run_scores.h"
+#include "scenarios/code/runs/tracked_system.h"
+
+namespace gaitcam {
+namespace {
+
+/// The report's film: a frame of it whenever the simulated time has come round to it.
+class Film {
+ public:
+  Film(const ReportFilmOptions& options, const std::filesystem::path& file) : options_(options) {
+    if (options.enabled) writer_.emplace(file, VideoOptions{options.rate_hz, options.height_px});
+  }
+
+  void Add(const SimulatedFrame& frame, Simulation& simulation) {
+    if (!writer_ || double(frame.truth.stamp_ns) * 1e-9 * options_.rate_hz < double(writer_->frames())) return;
+    const int height = options_.height_px, width = height * 4 / 3 / 2 * 2;
+    VideoFrame picture;
+    picture.camera = frame.observation.image.pixels;
+    picture.bystander = simulation.ThirdPersonView(width, height);
+    picture.time_s = double(frame.truth.stamp_ns) * 1e-9;
+    picture.exposure_ms = frame.observation.exposure_ms;
+    picture.status = fmt::format("blur {:.1f} px", frame.truth.blur_median_px);
+    writer_->Add(picture);
+    if (poster_.empty()) poster_ = ComposeVideoFrame(picture, height);
+  }
+
+  /// @returns the film's first picture; empty if there is no film.
+  cv::Mat Finish() {
+    if (writer_) writer_->Finish();
+    return poster_;
+  }
+
+ private:
+  ReportFilmOptions options_;
+  std::optional<VideoWriter> writer_;
+  cv::Mat poster_;
+};
+
+std::string Subtitle(const ResolvedScenario& resolved) {
+  const Scenario& s = resolved.scenario;
+  const std::string gait = resolved.robot.kind == Robot::Kind::kHumanoid ? s.gait.preset + " gait, " : "";
+  return fmt::format("{} in {}, {} path, {}{} x {} px at {:g} Hz, {:g} ms exposure, {}", resolved.robot.name,
+                     resolved.scene.name, ToWord(s.path.kind), gait, s.camera.width_px, s.camera.height_px,
+                     s.camera.rate_hz, s.camera.exposure.exposure_ms, s.system.name);
+}
+
+/// Over the frames' medians.
+std::vector<Score> BlurScores(const std::vector<ReportFrame>& frames) {
+  std::vector<double> blur_px;
+  for (const ReportFrame& frame : frames) blur_px.push_back(frame.blur_median_px);
+  if (blur_px.empty()) return {};
+  return {{"blur_median_px", QuantileOf(blur_px, 0.5), "px", "motion blur of a frame, median over the walk"},
+          {"blur_p95_px", QuantileOf(blur_px, 0.95), "px", "motion blur of a frame, 95th percentile over the walk"}};
+}
+
+/// scores.json says how the run ended beside what the scores are: a fall is never silent.
+std::string ScoresFile(const ReportInput& report, const Estimate& estimate, const Simulation& simulation,
+                       uint64_t seed) {
+  const Scores* scores = report.scores;
+  nlohmann::ordered_json json =
+      scores ? nlohmann::ordered_json::parse(ScoresToJson(*scores)) : nlohmann::ordered_json();
+  nlohmann::ordered_json run;
+  run["status"] = StatusText(report.end);
+  run["end_time_s"] = report.end_time_s;
+  run["frames"] = report.frames.size();
+  run["distance_m"] = simulation.distance_m();
+  run["seed"] = seed;
+  run["renderer"] = report.renderer;
+  run["software_renderer"] = report.software_renderer;
+  if (!estimate.failure.empty()) run["system_failed"] = estimate.failure;
+  if (!scores) run["not_scored"] = report.no_scores_reason;
+  json["run"] = run;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+std::string StatusText(RunEnd end) {
+  switch (end) {
+    case RunEnd::kFinished: return "finished";
+    case RunEnd::kFell: return "fell";
+    case RunEnd::kInterrupted: return "interrupted";
+  }
+  GAITCAM_ASSERT(false);
+  return {};
+}
+
+RunEnd EndOf(const Simulation& simulation) {
+  switch (simulation.status()) {
+    case SimulationStatus::kWalking: return RunEnd::kInterrupted;
+    case SimulationStatus::kFinished: return RunEnd::kFinished;
+    case SimulationStatus::kFell: return RunEnd::kFell;
+  }
+  GAITCAM_ASSERT(false);
+  return {};
+}
+
+SimulationOptions SimulationOptionsOf(const Scenario& scenario) {
+  SimulationOptions options;
+  options.gait = scenario.gait.options;
+  options.path = scenario.path;
+  options.physics = scenario.physics;
+  options.drive = scenario.drive;
+  options.camera = scenario.camera;
+  options.sensors = scenario.sensors;
+  options.scan = scenario.scan.value_or(HeadScanOptions());
+  options.duration_s = scenario.duration_s;
+  options.start = scenario.start;
+  return options;
+}
+
+void CheckPlan(const ResolvedScenario& resolved) {
+  if (resolved.scenario.localisation) {
+    CheckPlaceViews(resolved);
+    return;
+  }
+  const SimulationOptions options = SimulationOptionsOf(resolved.scenario);
+  CheckSimulation(resolved.robot, resolved.scene, options, resolved.scenario.seed);
+  if (ActsOnBody(resolved.scenario)) CheckHeadScan(resolved.robot, options);
+}
+
+/// The whole data flow: models ▸ simulation ▸ observations ▸ system ▸ estimate ▸ scores ▸ report.
+RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& options) {
+  const Scenario& scenario = resolved.scenario;
+  OutputFolder folder(options.out, "scores.json");
+  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(scenario), scenario.seed);
+  TrackingThread tracker(MakeTrackedSystem(scenario, simulation.calibration(), folder.path()), ActsOnBody(scenario));
+  Film film(scenario.video, folder.path() / "walk.mp4");
+  RunLog log;
+  Progress progress(scenario.name, simulation.ExpectedFrames(), options.quiet);
+  LiveTrackingOptions live{options.interrupted, [&] { return log.WantedTruth(); }};
+  live.on_frame = [&](const SimulatedFrame& frame) {
+    log.Add(frame);
+    film.Add(frame, simulation);
+    progress.Update(int64_t(log.frames()), simulation.ExpectedFrames());  // scans make the walk longer
+  };
+  const Estimate estimate = TrackLive(simulation, tracker, live);
+  progress.Finish();
+
+  const RunScores run = ScoreRun(estimate, log.truth(), log.stamps(), resolved.scene, scenario.score);
+  ReportInput report;
+  report.scores = run.scores ? &*run.scores : nullptr;
+  report.no_scores_reason = run.not_scored;
+  for (const MapResult& map : run.maps) report.sections.push_back(map.section());
+  if (!estimate.failure.empty()) report.no_scores_reason = scenario.system.name + " failed: " + estimate.failure;
+  report.title = scenario.name;
+  report.subtitle = Subtitle(resolved);
+  report.end = EndOf(simulation);
+  report.end_time_s = simulation.end_time_s();
+  report.renderer = simulation.gl().renderer();
+  report.software_renderer = simulation.gl().is_software();
+  report.truth = log.truth();
+  report.frames = log.ReportFrames(estimate);
+  report.twins = log.Twins();
+  report.video_poster = film.Finish();
+  report.video_file = report.video_poster.empty() ? "" : "walk.mp4";
+  report.resolved_scenario = resolved.ToYaml();
+  report.facts = RunFacts(scenario.seed);
+
+  WriteTrajectory(folder.path() / "estimate.txt", estimate.ToTrajectory(), TrajectoryFormat::kTum);
+  WriteCovariances(folder.path() / "covariances.csv", estimate.frames);
+  WriteTrajectory(folder.path() / "truth.txt", log.truth(), TrajectoryFormat::kTum);
+  folder.WriteText("frames.csv", log.ToCsv(estimate));
+  folder.WriteText("scenario.yaml", report.resolved_scenario);
+  folder.WriteText("scores.json", ScoresFile(report, estimate, simulation, scenario.seed));
+  WriteMaps(run, folder.path());
+  WriteReport(folder.path() / "report.html", report);
+  folder.Commit();
+  return {options.out,      StatusText(report.end),   report.end_time_s, run.scores, report.no_scores_reason,
+          estimate.failure, BlurScores(report.frames)};
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,22 @@
+/// The SLAM system that a scenario names, ready to be given frames: one of ours, or somebody's executable; with its
+/// handicap, if it has one.
+
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "scenarios/code/files/scenario.h"
+
+namespace gaitcam {
+
+/// @param calibration as the rig has it; a handicap may falsify what the system is told of it.
+/// @param folder where an executable's captured output goes (system.log); it must exist.
+/// @throws BadInput, BadOption as MakeSystem does.
+std::unique_ptr<System> MakeTrackedSystem(const Scenario& scenario, const Calibration& calibration,
+                                          const std::filesystem::path& folder);
+
+/// Whether that system commands the body: then its walk is its own, and no recorded one is for it.
+bool ActsOnBody(const Scenario& scenario);
+
+}  // namespace gaitcam

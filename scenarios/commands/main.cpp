@@ -1,3 +1,0 @@
-#include "scenarios/commands/command_line.h"
-
-int main(int argc, char** argv) { return gaitcam::CommandLine(argc, argv); }

@@ -1,0 +1,109 @@
+#include "sim/camera/camera_rig.h"
+
+#include <cmath>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/core/units.h"
+
+namespace gaitcam {
+namespace {
+
+const char* const kNames[] = {"camera.left", "camera.right"};
+
+}  // namespace
+
+void CameraOptions::Check() const {
+  CheckFields(*this, "camera.");
+  const double period_ms = 1000 / rate_hz;
+  for (const auto& [name, value] :
+       {std::pair("exposure_ms", exposure.exposure_ms), {"readout_ms", exposure.readout_ms}}) {
+    if (value > period_ms) {
+      throw BadOption(std::string("camera.") + name + ": " + internal::NumberText(value) +
+                      " is not permitted; expected at most the frame period of " + internal::NumberText(period_ms) +
+                      " ms (camera.rate_hz: " + internal::NumberText(rate_hz) + ")");
+    }
+  }
+  if (exposure.max_subframes < exposure.min_subframes) {
+    throw BadOption("camera.max_subframes: " + std::to_string(exposure.max_subframes) +
+                    " is not permitted; expected at least camera.min_subframes, " +
+                    std::to_string(exposure.min_subframes));
+  }
+  if (!stereo.right_rotation_deg.allFinite())
+    throw BadOption("camera.stereo.right_rotation_deg: expected finite numbers");
+}
+
+CameraRig::CameraRig(const CameraOptions& options, uint64_t seed) : options_(options), seed_(seed) {
+  options.Check();
+  const Lens lens(MakeCamera());  // says now what is wrong with a distortion
+}
+
+CameraModel CameraRig::MakeCamera() const {
+  CameraModel camera = CameraModel::FromHorizontalFov(options_.width_px, options_.height_px, options_.hfov_deg);
+  camera.cx += options_.lens.cx_offset_px;
+  camera.cy += options_.lens.cy_offset_px;
+  camera.k1 = options_.lens.k1;
+  camera.k2 = options_.lens.k2;
+  camera.k3 = options_.lens.k3;
+  camera.p1 = options_.lens.p1;
+  camera.p2 = options_.lens.p2;
+  return camera;
+}
+
+Pose CameraRig::X_LR() const {
+  const Eigen::Vector3d angles = kRadPerDeg * options_.stereo.right_rotation_deg;
+  const Eigen::Matrix3d R = RotZ(angles.z()) * RotY(angles.y()) * RotX(angles.x());
+  return {R, Eigen::Vector3d(options_.stereo.baseline_m, 0, 0)};
+}
+
+Calibration CameraRig::MakeCalibration() const {
+  Calibration calibration;
+  calibration.camera = MakeCamera();
+  if (options_.stereo.baseline_m > 0) {
+    calibration.right = MakeCamera();
+    calibration.X_LR = X_LR();
+  }
+  calibration.has_depth = options_.depth;
+  calibration.frame_rate_hz = options_.rate_hz;
+  calibration.readout_ms = options_.exposure.readout_ms;
+  return calibration;
+}
+
+std::vector<WorldCamera> CameraRig::WorldCameras() const {
+  // Looking down turns z, forward, towards y, down: a negative angle about x, right.
+  const Pose X_ML(RotX(-kRadPerDeg * options_.pitch_deg), Eigen::Vector3d::Zero());
+  std::vector<WorldCamera> cameras = {{kNames[0], X_ML}};
+  if (options_.stereo.baseline_m > 0) cameras.push_back({kNames[1], X_ML * X_LR()});
+  return cameras;
+}
+
+RendererOptions CameraRig::MakeRendererOptions() const {
+  RendererOptions options;
+  options.shadows = options_.shadows;
+  return options;
+}
+
+int64_t CameraRig::FrameStamp(int64_t frame) const {
+  const int64_t first = -WholeShutter(options_.exposure, 0).open_ns;
+  return first + int64_t(std::llround(double(frame) * 1e9 / options_.rate_hz));
+}
+
+RigFrame CameraRig::Expose(Renderer& renderer, const MotionRecord& record, int64_t frame, const TruthOptions& truth) {
+  if (cameras_.empty()) {
+    const FilmOptions film{options_.exposure, options_.antialias, options_.grey, options_.lens.softness_px};
+    for (const WorldCamera& camera : WorldCameras()) {
+      cameras_.emplace_back(renderer.model(), camera.name, MakeCamera(), film);
+    }
+  }
+  const int64_t stamp_ns = FrameStamp(frame);
+  const auto noise = [&](size_t i) { return RandomStream(seed_, kNames[i] + ("." + std::to_string(frame))); };
+  TruthOptions wanted = truth;
+  wanted.depth |= options_.depth;
+  RigFrame result;
+  result.left = cameras_[0].Expose(renderer, record, stamp_ns, wanted, noise(0));
+  if (options_.depth) result.depth = Image{stamp_ns, result.left.truth.depth};
+  constexpr TruthOptions kPosesOnly{false, false, false};
+  if (cameras_.size() > 1) result.right = cameras_[1].Expose(renderer, record, stamp_ns, kPosesOnly, noise(1));
+  return result;
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,104 @@
+/// Motion blur by integrating the light that reaches the sensor while the shutter is open.
+///
+/// The shutter interval decides three things at once: which instants are rendered, how bright the image is, and how
+/// noisy. Light is added in linear units; the sRGB decoding happens once per sub-frame, the camera's response once per
+/// frame.
+
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/camera.h"
+#include "algorithms/core/fields.h"
+#include "algorithms/core/frame_truth.h"
+#include "algorithms/core/image.h"
+#include "algorithms/core/random.h"
+#include "sim/camera/blur_field.h"
+#include "sim/camera/exposure_options.h"
+#include "sim/camera/image_sensor.h"
+#include "sim/camera/lens.h"
+#include "sim/camera/light.h"
+#include "sim/camera/renderer.h"
+#include "sim/camera/shutter.h"
+#include "sim/world/world.h"
+
+namespace gaitcam {
+
+/// One exposed frame and everything that is true of it.
+struct ExposedFrame {
+  Image image;        ///< CV_8UC3 (BGR) or CV_8UC1 (grey), row 0 at the top, stamped at mid-exposure.
+  FilmedTruth truth;  ///< Its stamp, camera, blur, sub-frames and pictures; not what belongs to the robot.
+};
+
+/// Which expensive parts of the truth to compute. Poses, sub-frames and path lengths are always there; the image does
+/// not depend on this.
+struct TruthOptions {
+  using DescribedTag = void;
+  bool sharp = true;
+  bool depth = true;
+  bool blur = true;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, TruthOptions& o) {
+  visit("sharp", o.sharp, Nested(), "the sharp twin of every frame; costs as many renders as camera.antialias");
+  visit("depth", o.depth, Nested(), "depth at mid-exposure");
+  visit("blur", o.blur, Nested(), "blur vectors at every pixel");
+}
+
+/// How a camera turns what it sees into an image.
+struct FilmOptions {
+  ExposureOptions exposure;
+  int antialias = 4;  ///< Minimum number of renders of a frame or a sharp twin, unless exposure.fixed_subframes is set.
+  bool grey = false;  ///< Monochrome sensor.
+  double softness_px = 0.5;  ///< Standard deviation of the lens's point spread.
+};
+
+/// One camera of a model that films through a shutter.
+///
+/// When a frame is exposed, physics has already run to the shutter's close, and its record gives every configuration
+/// during the exposure. The instants to render are therefore chosen with the motion known: the depth at mid-exposure
+/// gives the visible points, and the fastest of these at each time divides the exposure into sub-frames. Each sub-frame
+/// is rendered with another sub-pixel offset, of mean zero, so that the sum is anti-aliased without further renders.
+class ExposingCamera {
+ public:
+  /// @throws BadInput if the model has no such camera; BadOption.
+  ExposingCamera(const mjModel* model, const std::string& camera_name, const CameraModel& camera,
+                 const FilmOptions& options);
+
+  /// Films one frame.
+  /// @param stamp_ns mid-exposure; `record` covers the shutter's whole time (WholeShutter).
+  /// @param noise the frame's own stream.
+  ExposedFrame Expose(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, const TruthOptions& truth,
+                      RandomStream noise);
+
+  const Lens& lens() const { return lens_; }
+
+ private:
+  struct Middle;
+
+  SceneInstant At(const MotionRecord& record, int64_t stamp_ns);
+  void Collect(Renderer& renderer, const Eigen::Vector2d& shift_px, std::span<const float> row_weights,
+               LightAccumulator& light);
+  cv::Mat Sharp(Renderer& renderer, const Pose& X_WC);
+  Middle SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, bool sharp);
+  MotionProfile MeasureMotion(const MotionRecord& record, const ShutterInterval& shutter, const SeenPoints& points);
+  cv::Mat Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, FilmedTruth& truth,
+                    std::vector<SceneInstant>& instants, int64_t stamp_ns);
+  void DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,
+                    const std::vector<SceneInstant>& instants, bool vectors, FilmedTruth& truth);
+
+  const mjModel* model_;
+  int camera_id_;
+  Lens lens_;
+  FilmOptions options_;
+  ImageSensor sensor_;
+  MjDataPtr data_;  ///< Scratch: the configuration being looked at.
+  cv::Mat buffer_;  ///< The picture last read.
+};
+
+}  // namespace gaitcam

@@ -1,0 +1,127 @@
+#include "sim/camera/lens.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace {
+
+[[noreturn]] void ThrowFolded(int u, int v) {
+  throw BadOption("camera distortion: no single ray leads to pixel (" + std::to_string(u) + ", " + std::to_string(v) +
+                  "); expected smaller k1, k2, k3, p1, p2 or a narrower field of view");
+}
+
+/// Rays of all pixels, or BadOption where the distortion has no inverse.
+cv::Mat PixelRays(const CameraModel& camera) {
+  cv::Mat rays(camera.height_px, camera.width_px, CV_32FC2);
+  for (int v = 0; v < camera.height_px; ++v) {
+    for (int u = 0; u < camera.width_px; ++u) {
+      const Eigen::Vector2d pixel(u, v);
+      const Eigen::Vector3d ray = camera.Unproject(pixel);
+      const auto back = camera.Project(ray);
+      if (!ray.allFinite() || !back || (*back - pixel).norm() > 1e-6) ThrowFolded(u, v);
+      rays.at<cv::Vec2f>(v, u) = {float(ray.x()), float(ray.y())};
+      // Beyond its turning point the distortion maps back onto the same pixels: radius then decreases with the angle.
+      if (u > 0 && rays.at<cv::Vec2f>(v, u)[0] <= rays.at<cv::Vec2f>(v, u - 1)[0]) ThrowFolded(u, v);
+      if (v > 0 && rays.at<cv::Vec2f>(v, u)[1] <= rays.at<cv::Vec2f>(v - 1, u)[1]) ThrowFolded(u, v);
+    }
+  }
+  return rays;
+}
+
+/// Largest local magnification of the ideal picture that the camera makes anywhere, so that the warp loses no detail.
+double LargestScale(const CameraModel& camera, const cv::Mat& rays) {
+  double scale = 0;
+  for (int v = 0; v < rays.rows; v += std::max(1, rays.rows - 1) / 8 + 1) {
+    for (int u = 0; u + 1 < rays.cols; u += std::max(1, rays.cols - 1) / 8 + 1) {
+      const cv::Vec2f step = rays.at<cv::Vec2f>(v, u + 1) - rays.at<cv::Vec2f>(v, u);
+      scale = std::max(scale, 1 / double(std::hypot(step[0], step[1])));
+    }
+  }
+  return std::max({scale, camera.fx, camera.fy});
+}
+
+/// An ideal camera of focal length f whose picture covers all rays with `margin` pixels to spare on each side.
+CameraModel CoveringPinhole(const cv::Mat& rays, double f, int margin) {
+  double left = std::numeric_limits<double>::max(), top = left, right = -left, bottom = -left;
+  for (int v = 0; v < rays.rows; ++v) {
+    for (int u = 0; u < rays.cols; ++u) {
+      const cv::Vec2f& ray = rays.at<cv::Vec2f>(v, u);
+      left = std::min(left, double(ray[0]));
+      right = std::max(right, double(ray[0]));
+      top = std::min(top, double(ray[1]));
+      bottom = std::max(bottom, double(ray[1]));
+    }
+  }
+  CameraModel pinhole;
+  pinhole.fx = pinhole.fy = f;
+  pinhole.cx = std::ceil(-left * f) + margin;
+  pinhole.cy = std::ceil(-top * f) + margin;
+  pinhole.width_px = int(std::ceil(right * f + pinhole.cx)) + 1 + margin;
+  pinhole.height_px = int(std::ceil(bottom * f + pinhole.cy)) + 1 + margin;
+  return pinhole;
+}
+
+}  // namespace
+
+Lens::Lens(const CameraModel& camera) : camera_(camera), pinhole_(camera) {
+  camera.Check();
+  rays_ = PixelRays(camera);
+  warps_ = camera.IsDistorted() || camera.fx != camera.fy;
+  if (!warps_) return;
+  pinhole_ = CoveringPinhole(rays_, LargestScale(camera, rays_), 2);
+  if (pinhole_.width_px > 4 * camera.width_px || pinhole_.height_px > 4 * camera.height_px) {
+    throw BadOption("camera distortion: an undistorted picture would have " + std::to_string(pinhole_.width_px) +
+                    " x " + std::to_string(pinhole_.height_px) + " px; expected at most four times the image's size");
+  }
+  map_.create(rays_.size(), CV_32FC2);
+  for (int v = 0; v < rays_.rows; ++v) {
+    for (int u = 0; u < rays_.cols; ++u) {
+      const cv::Vec2f ray = rays_.at<cv::Vec2f>(v, u);
+      map_.at<cv::Vec2f>(v, u) = {float(pinhole_.fx * ray[0] + pinhole_.cx), float(pinhole_.fy * ray[1] + pinhole_.cy)};
+    }
+  }
+}
+
+cv::Mat Lens::WarpDepth(const cv::Mat& depth) const {
+  GAITCAM_ASSERT(depth.type() == CV_32FC1 && depth.cols == pinhole_.width_px && depth.rows == pinhole_.height_px);
+  if (!warps_) return depth;
+  constexpr float kEdgeRatio = 1.05f;  // neighbours whose depths differ by more lie on different surfaces
+  cv::Mat warped(rays_.size(), CV_32FC1);
+  for (int v = 0; v < warped.rows; ++v) {
+    for (int u = 0; u < warped.cols; ++u) {
+      const cv::Vec2f at = map_.at<cv::Vec2f>(v, u);
+      const int x = int(at[0]), y = int(at[1]);
+      const float s = at[0] - float(x), t = at[1] - float(y);
+      const float z[4] = {depth.at<float>(y, x), depth.at<float>(y, x + 1), depth.at<float>(y + 1, x),
+                          depth.at<float>(y + 1, x + 1)};
+      const auto [low, high] = std::minmax_element(z, z + 4);
+      if (*low <= 0 || *high > kEdgeRatio * *low) {
+        warped.at<float>(v, u) = z[(t >= 0.5f ? 2 : 0) + (s >= 0.5f ? 1 : 0)];
+      } else {
+        warped.at<float>(v, u) = 1 / ((1 - t) * ((1 - s) / z[0] + s / z[1]) + t * ((1 - s) / z[2] + s / z[3]));
+      }
+    }
+  }
+  return warped;
+}
+
+cv::Mat Lens::WarpLabels(const cv::Mat& labels) const {
+  GAITCAM_ASSERT(labels.type() == CV_32SC1);
+  if (!warps_) return labels;
+  cv::Mat warped(rays_.size(), CV_32SC1);
+  for (int v = 0; v < warped.rows; ++v) {
+    for (int u = 0; u < warped.cols; ++u) {
+      const cv::Vec2f at = map_.at<cv::Vec2f>(v, u);
+      warped.at<int>(v, u) = labels.at<int>(int(std::lround(at[1])), int(std::lround(at[0])));
+    }
+  }
+  return warped;
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,98 @@
+/// Images of a MuJoCo model by a pinhole camera: MuJoCo's OpenGL renderer with exact intrinsics.
+///
+/// A sub-frame of an exposure costs one call of Move and one of Draw. Geometry that does not move is copied once, and
+/// geometry outside the view frustum is culled before it reaches OpenGL; MuJoCo's own loop does neither.
+///
+/// Anti-aliasing is the caller's: it averages pictures shifted by parts of a pixel, in linear light. OpenGL's own
+/// multisampling averages display values, which makes thin bright things too dark, and costs as much in software.
+
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "algorithms/core/camera.h"
+#include "algorithms/core/pose.h"
+
+namespace gaitcam {
+
+struct RendererOptions {
+  bool shadows = false;  ///< Shadows of the lights that cast them; several times the cost in software.
+  double near_m = 0.01;  ///< Nothing nearer than this along the optical axis is seen.
+  double far_m = 200.0;  ///< Nor farther.
+};
+
+/// Needs the thread's EglContext (sim/egl_context.h) and must not outlive it, nor the model.
+class Renderer {
+ public:
+  /// @throws MissingResource if OpenGL lacks frame buffers; BadInput if the model has more textures than MuJoCo can
+  /// draw.
+  explicit Renderer(const mjModel* model, const RendererOptions& options = {});
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  const mjModel* model() const { return model_; }
+  const RendererOptions& options() const { return options_; }
+
+  /// Copies all visible geometry, in the configuration of `data` (its kinematics must be up to date).
+  void Update(mjData& data);
+  /// Copies the poses of moving geometry. @pre Update was called before.
+  void Move(const mjData& data);
+
+  /// Draws the picture of a camera with square pixels and no distortion.
+  /// @param shift_px offset of the sampling point from the pixel centre, for anti-aliasing.
+  /// @pre camera.fx == camera.fy, no distortion, Update was called before.
+  void Draw(mjData& data, const Pose& X_WC, const CameraModel& camera,
+            const Eigen::Vector2d& shift_px = Eigen::Vector2d::Zero());
+  /// The picture just drawn: CV_8UC4, BGR and an unused byte, display (sRGB) values, BOTTOM row first as OpenGL has it.
+  void ReadColor(cv::Mat& bgrx_bottom_up);
+
+  /// Depth of the picture just drawn, along the optical axis: CV_32FC1, m, row 0 on top; 0 where nothing is.
+  cv::Mat ReadDepth();
+  /// Which body each pixel centre sees, CV_32SC1, row 0 on top; 0 for the world and for nothing.
+  cv::Mat Bodies(mjData& data, const Pose& X_WC, const CameraModel& camera);
+  /// Whether any geom of a moving body can be in the picture (by its bounding box, so perhaps hidden).
+  bool SeesMovingBodies(const Pose& X_WC, const CameraModel& camera) const;
+
+  /// One instant as a picture, CV_8UC3 (BGR), row 0 on top: the mean of `samples` shifted pictures. Calls Update.
+  cv::Mat Picture(mjData& data, const Pose& X_WC, const CameraModel& camera, int samples = 1);
+
+ private:
+  struct Gl;
+  struct Frustum;
+
+  void MakeContext(int width_px, int height_px);
+  void SetCamera(const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px);
+  void SelectVisible(const Frustum& frustum, const Eigen::Vector3d& eye);
+
+  const mjModel* model_;
+  RendererOptions options_;
+  std::unique_ptr<const Gl> gl_;
+  mjvOption visual_;
+  mjvScene scene_;
+  mjrContext context_;
+  std::vector<mjvGeom> geoms_;  ///< All that is visible from somewhere; scene_.geoms holds what is in the picture.
+  std::vector<std::pair<float, int>> order_;  ///< Distance and index of what is in the picture.
+  std::vector<int> moving_;                   ///< Indices into geoms_.
+  bool follows_camera_ = false;               ///< An infinite plane is centred anew under each camera.
+  mjrRect viewport_{0, 0, 0, 0};
+};
+
+/// Pose of a camera of the model: optical frame, x right, y down, z forward.
+Pose CameraPose(const mjData& data, int camera_id);
+
+/// Pose of a virtual camera that looks at a point.
+/// @param azimuth_rad the direction in which the viewer looks, about the world's z; @param elevation_rad negative looks
+/// down.
+Pose LookAt(const Eigen::Vector3d& point, double distance_m, double azimuth_rad, double elevation_rad);
+
+/// @returns the camera's number. @throws BadInput if the model has no camera of that name.
+int FindCamera(const mjModel* model, const std::string& name);
+
+}  // namespace gaitcam

@@ -1,0 +1,304 @@
+#include "algorithms/odometry/keyframe_vo.h"
+
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include "tests/algorithms/odometry/odometry_trials.h"
+
+namespace gaitcam {
+namespace {
+
+KeyframeVoOptions Fast() { return KeyframeVoOptions::WithFeature("sift", 4); }
+
+TEST(KeyframeVo, FollowsABlurredWalkUpToScale) {
+  const Film film = FilmPath(
+      Room(), kCamera, 100, [](double t) { return WalkPose(t); }, 20, 3);
+  KeyframeVo vo(OneCamera(), {}, 1);
+  const Estimate estimate = TrackAll(vo, film.frames);
+  ExpectSane(estimate);
+  EXPECT_EQ(Count(estimate, TrackingStatus::kLost), 0);
+  // At 10 cm/s straight ahead it takes two seconds or so until enough points show parallax.
+  EXPECT_GE(Count(estimate, TrackingStatus::kTracking), 25);
+  const Sim3Error error = AlignedError(estimate, film.truth);
+  EXPECT_LT(error.rmse_m, 0.003) << "0.4 mm were measured, on 0.1 m of path with 24 mm of sway";
+  for (const FrameEstimate& frame : estimate.frames) EXPECT_FALSE(frame.restarted);
+  // The world is the reference frame's camera and its unit the median depth there: 1 to 3 m in this room.
+  EXPECT_GT(error.scale, 0.5);
+  EXPECT_LT(error.scale, 4);
+}
+
+struct Composition {
+  std::string name;
+  KeyframeVoOptions options;
+};
+
+void PrintTo(const Composition& composition, std::ostream* out) { *out << composition.name; }
+
+std::vector<Composition> Compositions() {
+  std::vector<Composition> all;
+  for (const auto& [feature, sensitivity] :
+       std::vector<std::pair<std::string, double>>{{"mobif", 4}, {"sift", 4}, {"surf", 40}, {"akaze", 4}, {"orb", 4}}) {
+    all.push_back({feature, KeyframeVoOptions::WithFeature(feature, sensitivity)});
+    all.back().options.initializer.min_start_points = 25;  // so small a picture has few points of some kinds,
+    all.back().options.initializer.start_direction_deg =
+        3;  // and those without sub-pixel positions leave the direction less certain
+    all.back().options.initializer.start_parallax_deg = 1;  // ... so their first depths need more parallax
+  }
+  for (const std::string estimator : {"ransac", "preemptive"}) {
+    all.push_back({estimator, Fast()});
+    all.back().options.initializer.estimator = estimator;
+  }
+  all.push_back({"exact", Fast()});
+  all.back().options.initializer.matching.search = NeighbourSearch::kExact;
+  return all;
+}
+
+class EveryComposition : public testing::TestWithParam<Composition> {};
+
+TEST_P(EveryComposition, FollowsASidewaysMotion) {
+  KeyframeVo vo(OneCamera(), GetParam().options, 1);
+  const Estimate estimate = TrackAll(vo, SidewaysFilm().frames);
+  ExpectSane(estimate);
+  EXPECT_LE(Count(estimate, TrackingStatus::kLost), 1);
+  ASSERT_GE(Count(estimate, TrackingStatus::kTracking), 15);
+  Estimate final_estimate;
+  final_estimate.frames = vo.Finish();
+  const double rmse_m = AlignedError(final_estimate, SidewaysFilm().truth).rmse_m;
+  printf("%-10s %2d frames tracked, %.4f m\n", GetParam().name.c_str(), Count(estimate, TrackingStatus::kTracking),
+         rmse_m);
+  EXPECT_LT(rmse_m, 0.01) << "on 16 to 27 cm of path";
+}
+
+INSTANTIATE_TEST_SUITE_P(, EveryComposition, testing::ValuesIn(Compositions()),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(KeyframeVo, SameBitsWhateverTheThreadsAndOpenCvsRandomState) {
+  const std::vector<Observation>& frames = SidewaysFilm().frames;
+  KeyframeVo vo(OneCamera(), Fast(), 3);
+  const Estimate expected = TrackAll(vo, frames);
+  ASSERT_GE(Count(expected, TrackingStatus::kTracking), 20);
+  Estimate other;
+  const int threads = cv::getNumThreads();
+  std::thread([&] {
+    cv::setNumThreads(1);
+    cv::theRNG().state = 0x1234567;
+    KeyframeVo busy(OneCamera(), Fast(), 99), again(OneCamera(), Fast(), 3);
+    for (const Observation& frame : frames) {
+      if (frame.stamp_ns % 3 == 0) busy.Track(frame);
+      other.frames.push_back(again.Track(frame));
+    }
+  }).join();
+  cv::setNumThreads(threads);
+  ExpectSameBits(expected, other);
+}
+
+TEST(KeyframeVo, ColourAndGreyOfTheSamePictureAreTheSame) {
+  std::vector<Observation> grey(SidewaysFilm().frames.begin(), SidewaysFilm().frames.begin() + 5), colour = grey;
+  for (Observation& frame : colour) cv::cvtColor(frame.image.pixels, frame.image.pixels, cv::COLOR_GRAY2BGR);
+  KeyframeVo a(OneCamera(), Fast(), 1), b(OneCamera(), Fast(), 1);
+  ExpectSameBits(TrackAll(a, grey), TrackAll(b, colour));
+}
+
+TEST(KeyframeVo, ACameraThatStandsStillOrSeesNothingHasNoPoseYet) {
+  KeyframeVo vo(OneCamera(), Fast(), 1);
+  const Observation& frame = SidewaysFilm().frames[0];
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(vo.Track(Filled(frame, i % 2 ? 255 : 0)).status, TrackingStatus::kInitializing);
+  }
+  for (int i = 0; i < 8; ++i) {
+    const FrameEstimate answer = vo.Track(frame);
+    EXPECT_EQ(answer.status, TrackingStatus::kInitializing);
+    EXPECT_FALSE(answer.pose);
+  }
+}
+
+TEST(KeyframeVo, ACameraThatOnlyTurnsTriangulatesNothing) {
+  const auto turn = [](double t) { return LookingForward({-0.5, 0, 0.4}, 0.3 * t, -0.2, 0.05 * std::sin(5 * t)); };
+  const Film film = FilmPath(Room(), kCamera, 25, turn, 10, 2);
+  KeyframeVo vo(OneCamera(), Fast(), 1);
+  EXPECT_EQ(Count(TrackAll(vo, film.frames), TrackingStatus::kInitializing), 25);
+}
+
+TEST(KeyframeVo, AFrozenPictureKeepsThePose) {
+  KeyframeVo vo(OneCamera(), Fast(), 1);
+  const FrameEstimate last = TrackAll(vo, SidewaysFilm().frames).frames.back();
+  ASSERT_EQ(last.status, TrackingStatus::kTracking);
+  for (int i = 0; i < 6; ++i) {
+    const FrameEstimate frozen = vo.Track(SidewaysFilm().frames.back());
+    ASSERT_EQ(frozen.status, TrackingStatus::kTracking);
+    // The pose has its noise, and a keyframe may be added: a few mm at 3 m, in units of about 3 m.
+    EXPECT_LT((frozen.pose->translation - last.pose->translation).norm(), 4e-3);
+  }
+}
+
+TEST(KeyframeVo, FramesExposedThreeTimesTooLongDoNotLoseTrack) {
+  std::vector<Observation> frames = SidewaysFilm().frames;
+  for (size_t i = 27; i < 32; ++i) frames[i].image.pixels = cv::Mat(frames[i].image.pixels * 3);
+  KeyframeVo vo(OneCamera(), Fast(), 1);
+  const Estimate estimate = TrackAll(vo, frames);
+  ExpectSane(estimate);
+  for (size_t i = 32; i < frames.size(); ++i) {
+    EXPECT_EQ(estimate.frames[i].status, TrackingStatus::kTracking) << i;
+    EXPECT_FALSE(estimate.frames[i].restarted) << i;
+  }
+}
+
+class EveryMishap : public testing::TestWithParam<Mishap> {};
+
+TEST_P(EveryMishap, IsSurvivedByRelocalisation) {
+  std::vector<Observation> frames = SidewaysFilm().frames;
+  for (size_t i = 27; i < 32; ++i) frames[i] = GetParam().befalls(frames[i]);
+  KeyframeVo vo(OneCamera(), Fast(), 1);
+  const Estimate estimate = TrackAll(vo, frames);
+  ExpectSane(estimate);
+  for (const FrameEstimate& frame : estimate.frames) EXPECT_FALSE(frame.restarted);
+  for (size_t i = 32; i < frames.size(); ++i) EXPECT_EQ(estimate.frames[i].status, TrackingStatus::kTracking) << i;
+  for (size_t i = 27; i < 32; ++i) EXPECT_NE(estimate.frames[i].status, TrackingStatus::kInitializing) << i;
+  // Frozen frames get the pose of what they show: they are left out of the comparison.
+  Estimate rest = estimate;
+  rest.frames.erase(rest.frames.begin() + 27, rest.frames.begin() + 32);
+  EXPECT_LT(AlignedError(rest, SidewaysFilm().truth).rmse_m, 0.006);
+}
+
+INSTANTIATE_TEST_SUITE_P(, EveryMishap, testing::ValuesIn(Mishaps()), [](const auto& info) { return info.param.name; });
+
+TEST(KeyframeVo, DroppedFramesAreBridged) {
+  std::vector<Observation> frames = SidewaysFilm().frames;
+  frames.erase(frames.begin() + 24, frames.begin() + 34);  // a third of a second
+  KeyframeVo vo(OneCamera(), Fast(), 1);
+  const Estimate estimate = TrackAll(vo, frames);
+  EXPECT_EQ(estimate.frames.back().status, TrackingStatus::kTracking);
+  EXPECT_LT(AlignedError(estimate, SidewaysFilm().truth).rmse_m, 0.006);
+}
+
+TEST(KeyframeVo, AfterTooManyLostFramesANewMapIsInitialisedAndMarked) {
+  KeyframeVoOptions options = Fast();
+  options.max_lost_frames = 2;
+  std::vector<Observation> frames = SidewaysFilm().frames;
+  frames.insert(frames.begin() + 19, 5, Filled(frames[0], 0));
+  KeyframeVo vo(OneCamera(), options, 1);
+  const Estimate estimate = TrackAll(vo, frames);
+  ExpectSane(estimate);
+  int restarts = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const FrameEstimate& frame = estimate.frames[i];
+    restarts += frame.restarted;
+    EXPECT_TRUE(!frame.restarted || i > 24) << i;
+    EXPECT_TRUE(i < 19 || i > 24 || frame.status == TrackingStatus::kLost) << i;
+  }
+  EXPECT_EQ(restarts, 1);
+  EXPECT_EQ(estimate.frames.back().status, TrackingStatus::kTracking);
+}
+
+TEST(KeyframeVo, TheFinalEstimateHasPosesOfFramesBeforeTheMap) {
+  KeyframeVoOptions options = Fast();
+  options.max_lost_frames = 2;
+  std::vector<Observation> frames = SidewaysFilm().frames;
+  frames.insert(frames.begin() + 19, 5, Filled(frames[0], 0));
+  KeyframeVo vo(OneCamera(), options, 1);
+  const Estimate live = TrackAll(vo, frames);
+  Estimate final_estimate;
+  final_estimate.frames = vo.Finish();
+  ASSERT_EQ(final_estimate.frames.size(), frames.size());
+  ExpectSane(final_estimate);
+  EXPECT_EQ(final_estimate.frames[0].status, TrackingStatus::kTracking);
+  EXPECT_GT(Count(final_estimate, TrackingStatus::kTracking), Count(live, TrackingStatus::kTracking));
+  int restarts = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    restarts += final_estimate.frames[i].restarted;
+    if (i < 19 || i >= 24) continue;
+    EXPECT_FALSE(final_estimate.frames[i].pose) << "a black frame has no pose";
+  }
+  EXPECT_EQ(restarts, 1);
+}
+
+KeyframeVoOptions WithRotationBeforeMap() {
+  KeyframeVoOptions options = Fast();
+  options.rotation_before_map = true;
+  return options;
+}
+
+TEST(KeyframeVo, RotationBeforeTheMapGivesEveryFrameAPose) {
+  // Half the speed of the other film's 40 frames, and longer.
+  const Film film = FilmPath(Room(), kCamera, 60, SidewaysPose, 5, 2);
+  KeyframeVo vo(OneCamera(), WithRotationBeforeMap(), 1);
+  const Estimate live = TrackAll(vo, film.frames);
+  ExpectSane(live);
+  EXPECT_EQ(Count(live, TrackingStatus::kTracking), 60);
+  Estimate final_estimate;
+  final_estimate.frames = vo.Finish();
+  ASSERT_EQ(final_estimate.frames.size(), live.frames.size());
+  EXPECT_LT(AlignedError(final_estimate, film.truth).rmse_m, 0.01)
+      << "2 % of 0.5 m, the frames before the map included";
+}
+
+TEST(KeyframeVo, RotationBeforeTheMapFollowsATurnOnTheSpot) {
+  const auto turn = [](double t) { return LookingForward({-0.5, 0, 0.4}, 0.3 * t, -0.2, 0.05 * std::sin(5 * t)); };
+  const Film film = FilmPath(Room(), kCamera, 25, turn, 10, 2);
+  KeyframeVo vo(OneCamera(), WithRotationBeforeMap(), 1);
+  const Estimate estimate = TrackAll(vo, film.frames);
+  ASSERT_EQ(Count(estimate, TrackingStatus::kTracking), 25);
+  const Pose first = PoseAt(film.truth, estimate.frames[0].stamp_ns).value();
+  for (const FrameEstimate& frame : estimate.frames) {
+    const Pose moved = first.Inverse() * *PoseAt(film.truth, frame.stamp_ns);
+    EXPECT_LT(RotationAngle(frame.pose->rotation, moved.rotation), 0.004) << "a pixel is 0.005 rad";
+    EXPECT_LT(frame.pose->translation.norm(), 0.01) << "nothing was seen to move";
+  }
+}
+
+TEST(KeyframeVo, WithRotationBeforeTheMapTheRestartIsMarkedOnce) {
+  KeyframeVoOptions options = WithRotationBeforeMap();
+  options.max_lost_frames = 2;
+  std::vector<Observation> frames = SidewaysFilm().frames;
+  frames.insert(frames.begin() + 30, 5, Filled(frames[0], 0));
+  KeyframeVo vo(OneCamera(), options, 1);
+  const Estimate estimate = TrackAll(vo, frames);
+  ExpectSane(estimate);
+  for (size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(estimate.frames[i].restarted, i == 35) << i;
+  EXPECT_EQ(estimate.frames.back().status, TrackingStatus::kTracking);
+}
+
+TEST(KeyframeVo, RotationBeforeTheMapNeedsSomethingToSee) {
+  KeyframeVo vo(OneCamera(), WithRotationBeforeMap(), 1);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_FALSE(vo.Track(Filled(SidewaysFilm().frames[0], i % 2 ? 255 : 0)).pose);
+  }
+  for (const FrameEstimate& frame : vo.Finish()) EXPECT_FALSE(frame.pose);
+}
+
+TEST(KeyframeVo, NoiseInitialisesNoMap) {
+  RandomStream random(1, "noise");
+  KeyframeVo vo(OneCamera(), Fast(), 1);
+  for (int i = 0; i < 8; ++i) {
+    Observation frame = SidewaysFilm().frames[0];
+    frame.image.pixels = frame.image.pixels.clone();
+    for (uchar& grey : cv::Mat_<uchar>(frame.image.pixels)) grey = uchar(random.Index(256));
+    EXPECT_FALSE(vo.Track(frame).pose);
+  }
+}
+
+TEST(KeyframeVo, BadOptionsAndImagesAreRefused) {
+  EXPECT_THROW(KeyframeVo(Calibration(), {}, 1), BadOption);
+  KeyframeVoOptions options;
+  options.window = 1;
+  EXPECT_THROW(KeyframeVo(OneCamera(), options, 1), BadOption);
+  options = {};
+  options.feature = "mobiff";
+  EXPECT_THROW(KeyframeVo(OneCamera(), options, 1), BadOption);
+  options = {};
+  options.initializer.matching.ratio = 1.2;
+  try {
+    KeyframeVo vo(OneCamera(), options, 1);
+    FAIL() << "a ratio above 1 was taken";
+  } catch (const BadOption& e) {
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("ratio: 1.2 is not permitted; expected a number from 0.1 to 1"));
+  }
+  KeyframeVo vo(OneCamera(), {}, 1);
+  Observation small = SidewaysFilm().frames[0];
+  small.image.pixels = cv::Mat::zeros(10, 20, CV_8UC1);
+  EXPECT_THROW(vo.Track(small), BadInput);
+}
+
+}  // namespace
+}  // namespace gaitcam

@@ -1,0 +1,77 @@
+// The page of a study, opened by a real browser.
+
+#include "results/reports/study_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/results/reports/browser.h"
+#include "tests/results/study_table_made_up.h"
+
+namespace gaitcam {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+fs::path WritePage(const StudyReportInput& input, const TemporaryFolder& folder, const std::string& name) {
+  const fs::path page = PageFolder(folder) / name;
+  std::ofstream(page) << StudyReportHtml(input);
+  return page;
+}
+
+TEST(StudyReport, ABrowserDrawsEveryChartAndDoesNotComplain) {
+  if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
+  const TemporaryFolder folder;
+  const MadeUpStudy study;
+  const Browsed browsed = Browse(WritePage(study.input, folder, "study.html"), "--window-size=1280,1000");
+  ExpectAllDrawn(browsed, "9");  // three scores, each by exposure, by gait and over blur
+}
+
+TEST(StudyReport, AStudyOfOneAxisIsDrawnToo) {
+  if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
+  const TemporaryFolder folder;
+  MadeUpStudy study;
+  study.input.by = std::nullopt;
+  study.table.axes.resize(1);
+  for (StudyRun& run : study.table.runs) run.levels.resize(1);
+  study.effects = RankEffects(study.table, {}, std::nullopt);
+  ExpectAllDrawn(Browse(WritePage(study.input, folder, "one_axis.html")), "6");
+}
+
+TEST(StudyReport, SaysWhatTheIntervalsAndTestsAreAndHowManyRunsStandBehindThem) {
+  const MadeUpStudy study;
+  const std::string html = StudyReportHtml(study.input);
+  for (const char* text : {"Hodges-Lehmann", "Wilcoxon", "48 comparisons (Holm)", "95 % bootstrap interval",
+                           "exposure, ms", "n = 6", "3 of 6", "144"}) {
+    EXPECT_THAT(html, HasSubstr(text));
+  }
+}
+
+TEST(StudyReport, RunsWithoutResultAreToldLoudly) {
+  MadeUpStudy study;
+  for (size_t i = 0; i < 3; ++i) {
+    study.table.runs[i].status = "failed";
+    study.table.runs[i].failure = "the run died of signal 9 <&>";
+    study.table.runs[i].scores.clear();
+  }
+  study.table.runs[5].status = "fell";
+  const std::string html = StudyReportHtml(study.input);
+  EXPECT_THAT(html, HasSubstr("3 of 144 runs failed.</b>the run died of signal 9 &lt;&amp;&gt;"));
+  EXPECT_THAT(html, HasSubstr("covered too little to be scored"));
+  EXPECT_THAT(html, HasSubstr("The robot fell in 1 of 144 runs."));
+}
+
+TEST(StudyReport, WordsFromOutsideCannotBecomeMarkup) {
+  MadeUpStudy study;
+  study.table.name = "<script>alert(1)</script>";
+  study.table.axes[2].levels[0] = "</script><b>x";
+  study.input.study_file = "<i>";
+  const std::string html = StudyReportHtml(study.input);
+  EXPECT_THAT(html, Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(html, Not(HasSubstr("</script><b>")));
+  EXPECT_THAT(html, Not(HasSubstr("<i>")));
+}
+
+}  // namespace
+}  // namespace gaitcam

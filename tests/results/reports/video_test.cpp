@@ -1,0 +1,124 @@
+#include "results/reports/video.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/videoio.hpp>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Video : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "gaitcam_video_XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  size_t FilesInFolder() const {
+    return size_t(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+};
+
+/// Camera blue, bystander red; brightness tells the frame.
+VideoFrame Frame(int index) {
+  VideoFrame frame;
+  frame.camera = cv::Mat(240, 320, CV_8UC3, cv::Scalar(100 + 5 * index, 0, 0));
+  frame.bystander = cv::Mat(480, 640, CV_8UC3, cv::Scalar(0, 0, 100 + 5 * index));
+  frame.time_s = index / 30.0;
+  frame.exposure_ms = 20;
+  frame.status = "tracking";
+  return frame;
+}
+
+TEST_F(Video, ReadsBackAsItWasWritten) {
+  const fs::path path = folder_ / "walk.mp4";
+  VideoWriter writer(path, {.frame_rate_hz = 25, .height_px = 180});
+  for (int i = 0; i < 20; ++i) writer.Add(Frame(i));
+  writer.Finish();
+  EXPECT_EQ(writer.frames(), 20);
+  EXPECT_EQ(FilesInFolder(), 1u);
+
+  cv::VideoCapture film(path.string());
+  ASSERT_TRUE(film.isOpened());
+  EXPECT_EQ(int(film.get(cv::CAP_PROP_FRAME_COUNT)), 20);
+  EXPECT_NEAR(film.get(cv::CAP_PROP_FPS), 25, 1e-6);
+  EXPECT_EQ(int(film.get(cv::CAP_PROP_FOURCC)), cv::VideoWriter::fourcc('a', 'v', 'c', '1'));
+  cv::Mat picture;
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(film.read(picture));
+    ASSERT_EQ(picture.cols % 2, 0);
+    ASSERT_EQ(picture.rows % 2, 0);
+    // 12: limited range, chroma at half resolution and a lossy code move flat colours by some levels, frames differ
+    // by 5.
+    EXPECT_NEAR(picture.at<cv::Vec3b>(90, 120)[0], 100 + 5 * i, 12);
+    EXPECT_NEAR(picture.at<cv::Vec3b>(90, 360)[2], 100 + 5 * i, 12);
+  }
+}
+
+TEST_F(Video, HasNoFileUntilItIsFinished) {
+  const fs::path path = folder_ / "walk.mp4";
+  {
+    VideoWriter writer(path);
+    writer.Add(Frame(0));
+    EXPECT_FALSE(fs::exists(path));
+  }
+  EXPECT_EQ(FilesInFolder(), 0u);  // given up: nothing is left behind
+}
+
+TEST_F(Video, WithoutFramesIsNoFileAndNoError) {
+  VideoWriter writer(folder_ / "walk.mp4");
+  EXPECT_NO_THROW(writer.Finish());
+  EXPECT_EQ(FilesInFolder(), 0u);
+}
+
+TEST_F(Video, AFolderThatIsNotThereIsAMissingResource) {
+  VideoWriter writer(folder_ / "nowhere" / "walk.mp4");
+  try {
+    writer.Add(Frame(0));
+    FAIL();
+  } catch (const MissingResource& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("nowhere/walk.mp4"));
+  }
+}
+
+TEST_F(Video, OptionsOutOfRangeAreRefused) {
+  EXPECT_THROW(VideoWriter(folder_ / "a.mp4", {.frame_rate_hz = 0}), BadInput);
+  EXPECT_THROW(VideoWriter(folder_ / "a.mp4", {.height_px = 10}), BadInput);
+}
+
+TEST(VideoFrame, ViewsStandSideBySideAboveTheCaption) {
+  const cv::Mat picture = ComposeVideoFrame(Frame(0), 241);  // odd heights become even
+  EXPECT_EQ(picture.cols % 2, 0);
+  EXPECT_EQ(picture.rows % 2, 0);
+  EXPECT_EQ(picture.at<cv::Vec3b>(120, 100), cv::Vec3b(100, 0, 0));
+  EXPECT_EQ(picture.at<cv::Vec3b>(120, picture.cols - 100), cv::Vec3b(0, 0, 100));
+  EXPECT_GT(picture.rows, 242);
+}
+
+TEST(VideoFrame, AGreyCameraAloneIsAPictureToo) {
+  VideoFrame frame;
+  frame.camera = cv::Mat(240, 320, CV_8UC1, cv::Scalar(77));
+  const cv::Mat picture = ComposeVideoFrame(frame, 240);
+  EXPECT_EQ(picture.type(), CV_8UC3);
+  EXPECT_EQ(picture.cols, 320);
+  EXPECT_EQ(picture.at<cv::Vec3b>(120, 160), cv::Vec3b(77, 77, 77));
+}
+
+TEST(VideoFrame, AnAlarmIsSeen) {
+  VideoFrame calm = Frame(0), alarm = calm;
+  alarm.alarm = true;
+  EXPECT_GT(cv::norm(ComposeVideoFrame(calm, 240), ComposeVideoFrame(alarm, 240), cv::NORM_INF), 50);
+}
+
+}  // namespace
+}  // namespace gaitcam

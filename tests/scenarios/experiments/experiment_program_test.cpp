@@ -1,0 +1,124 @@
+// `gaitcam experiment`: a program of its own, its options, and that a table names the command that makes it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <regex>
+
+#include "scenarios/code/experiments/photographs.h"
+#include "scenarios/code/experiments/table_experiment.h"
+#include "tests/scenarios/program.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+int Lines(const std::string& text) { return int(std::count(text.begin(), text.end(), '\n')); }
+
+class ExperimentProgramTest : public testing::Test {
+ protected:
+  ProgramResult Run(const std::string& words) const {
+    const std::string data = "GAITCAM_DATA=" + TestData().string() + " ";
+    return RunShell(data + (fs::path(Program()).parent_path() / "gaitcam_experiments").string() + " " + words,
+                    temporary_.path());
+  }
+  fs::path File(const std::string& name) const { return temporary_.path() / name; }
+
+  /// A photograph and the same 40 px to the left, in the layout of the Oxford data set.
+  void WritePair(const std::string& name) const {
+    const cv::Mat picture = PackagedPhotograph("home.jpg");
+    fs::create_directories(File(name));
+    cv::imwrite((File(name) / "img1.png").string(), picture(cv::Rect(100, 60, 300, 240)));
+    cv::imwrite((File(name) / "img2.png").string(), picture(cv::Rect(140, 60, 300, 240)));
+    std::ofstream(File(name) / "H1to2p") << "1 0 -40\n0 1 0\n0 0 1\n";
+  }
+
+  const TemporaryFolder temporary_;
+};
+
+TEST_F(ExperimentProgramTest, ListsEveryExperimentAndHelpsWithExamples) {
+  const ProgramResult list = Run("--list");
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  for (const ExperimentEntry& entry : ListExperiments()) {
+    EXPECT_THAT(list.out, HasSubstr(entry.name));
+    const ProgramResult help = Run(entry.name + " --help");
+    EXPECT_EQ(help.exit_code, 0) << help.err;
+    EXPECT_THAT(help.out, HasSubstr("Examples:\ngaitcam ")) << entry.name;
+    EXPECT_THAT(help.out, HasSubstr("--out")) << entry.name;
+  }
+}
+
+TEST_F(ExperimentProgramTest, TheProgramHandsItsWordsOnAndRefusesTheOldVerb) {
+  const ProgramResult list = RunProgram("experiment --list", temporary_.path());
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  EXPECT_EQ(list.out, Run("--list").out);
+  EXPECT_THAT(RunProgram("experiment psf --help", temporary_.path()).out, HasSubstr("--frames"));
+  const ProgramResult old = RunProgram("features --seed 2", temporary_.path());
+  EXPECT_EQ(old.exit_code, 2);
+  EXPECT_EQ(old.err, "gaitcam: features: is now gaitcam experiment features\n");
+}
+
+TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
+  for (const auto& [words, fragment] : {std::pair{"", "gaitcam experiment --list"},
+                                        {"odometri", "odometri"},
+                                        {"planes --pairs 0", "--pairs: 0 is not permitted"},
+                                        {"planes --pairs many", "many"},
+                                        {"odometry", "study file"},
+                                        {"localisation --set duration=1", "duration"},
+                                        {"walking --robot khr1v", "khr1v"},
+                                        {"features nowhere", "nowhere"},
+                                        {"features --detector syft", "syft"}}) {
+    const ProgramResult result = Run(words);
+    EXPECT_EQ(result.exit_code, 2) << words << ": " << result.err;
+    EXPECT_THAT(result.err, HasSubstr(fragment));
+    EXPECT_EQ(Lines(result.err), 1) << result.err;
+    EXPECT_TRUE(fs::is_empty(temporary_.path())) << words;
+  }
+}
+
+TEST_F(ExperimentProgramTest, ATableNamesTheCommandThatMakesItAgain) {
+  WritePair("shifted");
+  const ProgramResult first = Run("features shifted --detector sift --seed 3 --out first/table.md -j 2");
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  for (const char* name : {"table.md", "table.json", "table.png"}) EXPECT_TRUE(fs::exists(File("first") / name));
+  const std::string table = ReadAll(File("first/table.md"));
+  EXPECT_THAT(first.out, HasSubstr(table));
+  std::smatch made_by;
+  ASSERT_TRUE(std::regex_search(table, made_by, std::regex("Made by `gaitcam experiment ([^`]*)`")));
+  EXPECT_EQ(made_by[1], "features shifted --detector sift --seed 3 --out first/table.md");
+  ASSERT_EQ(Run(made_by[1].str() + " -q").exit_code, 0);
+  EXPECT_EQ(ReadAll(File("first/table.md")), table);
+}
+
+TEST(ExperimentCommand, NamesWhatDiffersFromTheDefaultsAndNoUsersFolder) {
+  for (const ExperimentEntry& entry : ListExperiments()) {
+    const auto experiment = entry.make();
+    EXPECT_EQ(ExperimentCommand(entry, *experiment), "gaitcam experiment " + entry.name);
+    for (const ExperimentOption& option : experiment->Options().options) {
+      if (auto* const* paths = std::get_if<InputPaths*>(&option.value)) (*paths)->paths = {"/home/me/data/", "a/../b"};
+      if (auto* const* flag = std::get_if<bool*>(&option.value)) **flag = true;
+    }
+    const std::string command = ExperimentCommand(entry, *experiment);
+    EXPECT_THAT(command, testing::Not(HasSubstr("/home"))) << entry.name;
+    const bool is_odometry = entry.name == "odometry";
+    EXPECT_EQ(command == "gaitcam experiment odometry data b --finished", is_odometry) << command;
+  }
+}
+
+TEST(InParallel, DoesEachOnceAndThrowsWhatFails) {
+  std::vector<int> times(100, 0);
+  InParallel(100, 3, [&](int i) { ++times[size_t(i)]; });
+  EXPECT_THAT(times, testing::Each(1));
+  EXPECT_THROW(InParallel(10, 2,
+                          [](int i) {
+                            if (i == 4) throw std::runtime_error("four");
+                          }),
+               std::runtime_error);
+}
+
+}  // namespace
+}  // namespace gaitcam

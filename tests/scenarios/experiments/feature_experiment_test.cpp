@@ -1,0 +1,157 @@
+#include "scenarios/code/experiments/feature_experiment.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/core/random.h"
+#include "scenarios/code/experiments/feature_table.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace gaitcam {
+namespace {
+
+const std::filesystem::path kPictures = "/usr/share/doc/opencv-doc/examples/data";
+
+TEST(FeatureExperiment, LineKernelIsALineThroughItsMiddle) {
+  const LineBlur blur{17.3, 0.7};
+  const cv::Mat kernel = LineKernel(blur);
+  double sum = 0;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (int y = 0; y < kernel.rows; ++y)
+    for (int x = 0; x < kernel.cols; ++x) {
+      const Eigen::Vector2d p(x - kernel.cols / 2, y - kernel.rows / 2);
+      const double w = kernel.at<float>(y, x);
+      sum += w;
+      mean += w * p;
+      scatter += w * p * p.transpose();
+    }
+  EXPECT_NEAR(sum, 1, 1e-5);
+  EXPECT_NEAR(mean.norm(), 0, 1e-4);
+  const Eigen::Vector2d along(std::cos(0.7), std::sin(0.7));
+  // A line's variance is extent^2 / 12; sharing light among four pixels adds less than 1/4 on either axis.
+  EXPECT_NEAR(along.dot(scatter * along), 17.3 * 17.3 / 12, 0.25);
+  EXPECT_LT(along.unitOrthogonal().dot(scatter * along.unitOrthogonal()), 0.25);
+}
+
+TEST(FeatureExperiment, FilmingASharpImageOnlyCrops) {
+  cv::Mat grey(120, 160, CV_8UC1);
+  cv::randu(grey, 0, 256);
+  const cv::Mat filmed = FilmBlurred(grey, {}, {"clean", false, 0, 0}, 1);
+  EXPECT_EQ(cv::norm(filmed, grey(cv::Rect(kCrop_px, kCrop_px, 160 - 2 * kCrop_px, 120 - 2 * kCrop_px)), cv::NORM_INF),
+            0);
+}
+
+TEST(FeatureExperiment, BlurInLightBrightensWhatIsDarkBesideBright) {
+  cv::Mat edge(120, 160, CV_8UC1, cv::Scalar(0));
+  edge.colRange(80, 160) = 255;
+  const auto at_edge = [&](bool linear) {
+    return int(FilmBlurred(edge, {20, 0}, {"", linear, 0, 0}, 1).at<uchar>(30, 80 - kCrop_px));
+  };
+  EXPECT_NEAR(at_edge(false), 0.525 * 255, 4);  // half the light, and half a pixel
+  EXPECT_NEAR(at_edge(true), std::pow(0.525, 1 / 2.2) * 255, 4);
+}
+
+TEST(FeatureExperiment, NoiseHasItsSigmaAndComesFromTheSeed) {
+  const cv::Mat grey(200, 200, CV_8UC1, cv::Scalar(100));
+  const CameraSetting setting{"noise", false, 2, 0};
+  const cv::Mat a = FilmBlurred(grey, {}, setting, 1), again = FilmBlurred(grey, {}, setting, 1);
+  cv::Scalar mean, sigma;
+  cv::meanStdDev(a, mean, sigma);
+  EXPECT_NEAR(sigma[0], std::sqrt(4 + 1.0 / 12), 0.05);  // rounding adds 1/12; 23000 samples
+  EXPECT_EQ(cv::norm(a, again, cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(a, FilmBlurred(grey, {}, setting, 2), cv::NORM_INF), 0);
+}
+
+/// Features at given places whose descriptors are unit vectors of given axes.
+Features Points(const std::vector<std::pair<cv::Point2f, int>>& points) {
+  Features features;
+  features.descriptors = cv::Mat::zeros(int(points.size()), 16, CV_32FC1);
+  for (size_t i = 0; i < points.size(); ++i) {
+    features.keypoints.emplace_back(points[i].first, 1.f);
+    features.descriptors.at<float>(int(i), points[i].second) = 1;
+  }
+  return features;
+}
+
+TEST(FeatureExperiment, CountsCorrectMatchesWithoutDuplicates) {
+  const Features a = Points({{{10, 10}, 0}, {{10, 10}, 0}, {{20, 10}, 1}, {{30, 10}, 2}});
+  const Features b = Points({{{11, 12}, 0}, {{20, 14}, 1}, {{31, 10}, 2}, {{90, 90}, 3}});
+  const std::vector<MatchCount> counts = CountMatches(a, b, MapOfHomography(Eigen::Matrix3d::Identity()), {0.8});
+  EXPECT_EQ(counts[0].matches, 3);  // the first two are one
+  EXPECT_EQ(counts[0].correct, 2);  // the third is 4 px off
+  EXPECT_NEAR(counts[0].MedianError(), std::sqrt(5), 1e-5);
+}
+
+TEST(FeatureExperiment, CountsNothingWhereTheTruthIsUnknown) {
+  const Features a = Points({{{10, 10}, 0}, {{20, 10}, 1}}), b = a;
+  const TrueMap left_half = [](const Eigen::Vector2d& p) -> std::optional<Eigen::Vector2d> {
+    if (p.x() > 15) return std::nullopt;
+    return p;
+  };
+  const std::vector<MatchCount> counts = CountMatches(a, b, left_half, {0.8});
+  EXPECT_EQ(counts[0].matches, 1);
+  EXPECT_EQ(counts[0].correct, 1);
+}
+
+TEST(FeatureExperiment, AGeneratedPairObeysItsHomography) {
+  const std::vector<ImagePair> pairs = MakePairs({kPictures / "home.jpg"}, 3);
+  ASSERT_EQ(pairs.size(), 1u);
+  const Features a = DetectFeatures(*MakeFeature2d("sift"), pairs[0].a, 2000);
+  const Features b = DetectFeatures(*MakeFeature2d("sift"), pairs[0].b, 2000);
+  const MatchCount count = CountMatches(a, b, MapOfHomography(pairs[0].H_ba), {0.6}).front();
+  EXPECT_GT(count.correct, 100);
+  EXPECT_GT(count.Precision(), 0.9);
+  EXPECT_LT(count.MedianError(), 0.5);
+}
+
+TEST(FeatureExperiment, TheWholeOfItOnOneSmallPair) {
+  ImagePair pair = MakePairs({kPictures / "home.jpg"}, 3).front();
+  pair.a = pair.a(cv::Rect(100, 60, 300, 240)).clone();
+  pair.b = pair.b(cv::Rect(100, 60, 300, 240)).clone();
+  Eigen::Matrix3d shift = Eigen::Matrix3d::Identity();
+  shift.topRightCorner<2, 1>() = Eigen::Vector2d(100, 60);
+  pair.H_ba = shift.inverse() * pair.H_ba * shift;
+  FeatureExperimentOptions options;
+  options.detectors = {"sift", "mobif_fast"};
+  options.extents_px = {0, 20};
+  const std::vector<FeatureCell> cells = RunFeatureExperiment({pair}, options, [](int, int) {});
+  const auto correct = [&](const std::string& detector, double extent) {
+    for (const FeatureCell& c : cells)
+      if (c.detector == detector && c.setting == "clean" && c.extent_px == extent && !c.both && c.ratio == 0.8)
+        return c.count.correct;
+    return -1;
+  };
+  EXPECT_GT(correct("sift", 0), 5 * correct("sift", 20));
+  EXPECT_GT(correct("mobif_fast", 20), 2 * correct("sift", 20));
+  EXPECT_EQ(cells.size(), 2u * 3 * 2 * 3);  // detectors, settings, ratios; sharp, one and both
+  const std::string table = FeatureTable(cells, {}, {"home"}, "gaitcam experiment features");
+  EXPECT_NE(table.find("| mobif_fast |"), std::string::npos);
+  EXPECT_FALSE(FeaturePlot(cells).empty());
+}
+
+TEST(FeatureExperiment, SaysWhatIsWrongWithAFolder) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(ReadPairs(folder.path()), BadInput);
+  cv::imwrite((folder.path() / "img1.png").string(), cv::Mat(50, 50, CV_8UC1, cv::Scalar(0)));
+  cv::imwrite((folder.path() / "img2.png").string(), cv::Mat(50, 50, CV_8UC1, cv::Scalar(0)));
+  std::ofstream(folder.path() / "H1to2p") << "1 0 0 0 1";
+  EXPECT_THROW(ReadPairs(folder.path()), BadInput);
+  std::ofstream(folder.path() / "H1to2p") << "1 0 5 0 1 0 0 0 1";
+  const std::vector<ImagePair> pairs = ReadPairs(folder.path());
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].H_ba(0, 2), 5);
+  FeatureExperimentOptions options;
+  options.detectors = {"shift"};
+  EXPECT_THROW(RunFeatureExperiment(pairs, options, [](int, int) {}), BadInput);
+}
+
+}  // namespace
+}  // namespace gaitcam

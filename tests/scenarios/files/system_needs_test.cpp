@@ -1,0 +1,68 @@
+// What a system cannot work without is known before a walk begins, and told with the keys that would help.
+
+#include "scenarios/code/files/system_needs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "algorithms/core/errors.h"
+#include "scenarios/code/files/scenario.h"
+#include "sim/camera/camera_rig.h"
+#include "tests/data_folder.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace gaitcam {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+SystemInfo Needing(std::vector<SensorNeed> needs, bool acts = false) { return {"some_slam", "", {}, needs, acts}; }
+
+Calibration Rig(const CameraOptions& options) { return CameraRig(options, 1).MakeCalibration(); }
+
+TEST(SystemNeeds, AScenarioIsToldWhichKeysToSet) {
+  CameraOptions camera;
+  const SystemInfo info = Needing({SensorNeed::kStereo, SensorNeed::kDepth});
+  const std::optional<std::string> lack = LackInScenario(info, Rig(camera));
+  ASSERT_TRUE(lack);
+  EXPECT_THAT(*lack, AllOf(HasSubstr("some_slam needs a stereo camera and depth images"),
+                           HasSubstr("camera.stereo.baseline_m"), HasSubstr("camera.depth to true")));
+  camera.stereo.baseline_m = 0.06;
+  EXPECT_THAT(*LackInScenario(info, Rig(camera)), HasSubstr("needs depth images"));
+  camera.depth = true;
+  EXPECT_FALSE(LackInScenario(info, Rig(camera)));
+}
+
+TEST(SystemNeeds, ARigWithoutImuIsToldSo) {
+  Calibration calibration = Rig({});
+  EXPECT_THAT(*LackInScenario(Needing({SensorNeed::kImu}), calibration), HasSubstr("sensors.imu_rate_hz"));
+  calibration.imu.rate_hz = 100;
+  EXPECT_FALSE(LackInScenario(Needing({SensorNeed::kImu}), calibration));
+}
+
+TEST(SystemNeeds, ADatasetIsToldWhatItLacks) {
+  const TemporaryFolder folder;
+  const Calibration calibration = Rig({});
+  EXPECT_FALSE(LackInDataset(Needing({}), calibration, folder.path()));
+  EXPECT_THAT(*LackInDataset(Needing({SensorNeed::kJoints}), calibration, folder.path()), HasSubstr("joints.csv"));
+  std::ofstream(folder.path() / "joints.csv") << "#\n";
+  EXPECT_FALSE(LackInDataset(Needing({SensorNeed::kJoints}), calibration, folder.path()));
+  EXPECT_THAT(*LackInDataset(InfoOfSystem("floor_slam"), calibration, folder.path()),
+              AllOf(HasSubstr("floor_slam needs to know how the camera stands"), HasSubstr("(standing)")));
+  EXPECT_THAT(*LackInDataset(Needing({}, true), calibration, folder.path()), HasSubstr("a recorded walk"));
+}
+
+TEST(SystemNeeds, EveryShippedSystemGetsWhatItNeedsFromAPlainScenario) {
+  setenv("GAITCAM_DATA", TestData().c_str(), 1);
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "s.yaml") << "robot: khr1hv_pan\nscene: plain\ncamera: {pitch_deg: 0}\n";
+  for (const SystemInfo& info : ListSystems())
+    EXPECT_NO_THROW(ReadScenario(folder.path() / "s.yaml", {"system=" + info.name})) << info.name;
+}
+
+}  // namespace
+}  // namespace gaitcam
