@@ -1,4 +1,4 @@
-/// Where tests find robots, places and scenarios: in the installation that they belong to, else in the source folder.
+/// Where tests find robots, scenes and scenarios: in the installation that they belong to, else in the source folder.
 
 #pragma once
 

@@ -100,7 +100,7 @@ cv::Mat Laplacian(const cv::Mat& grey) {
 
 LogSpectrum MakeLogSpectrum(const PowerSpectrum& spectrum, double low, double high, int rings) {
   const int n = spectrum.window_px(), last = std::min(n / 2, int(high * n));
-  const float scale = 1.0f / float(n), least_power = 1e-12f;
+  const float scale = 1.0f / float(n), min_power = 1e-12f;
   const int fine_rings = rings * kFineRings;
   const float rings_per_frequency = float(fine_rings / (high - low));
   LogSpectrum log;
@@ -111,7 +111,7 @@ LogSpectrum MakeLogSpectrum(const PowerSpectrum& spectrum, double low, double hi
       const float fx = float(x) * scale, fy = float(row) * scale, radius = std::sqrt(fx * fx + fy * fy);
       if (radius < float(low) || radius > float(high)) continue;
       const int ring = std::min(fine_rings - 1, int((radius - float(low)) * rings_per_frequency));
-      log.samples.push_back({fx, fy, std::log(power[x] + least_power), ring});
+      log.samples.push_back({fx, fy, std::log(power[x] + min_power), ring});
       values[size_t(ring)].push_back(log.samples.back().value);
     }
   }

@@ -36,7 +36,7 @@ class Mobif : public BlurAwareFeature {
     if (regions.empty() && options_.regions) regions = SegmentBlurField(grey);
     if (regions.empty()) regions = {{cv::Rect({0, 0}, grey.size()), psf_->EstimateWhole(grey)}};
     for (BlurRegion& region : regions)
-      region.estimate.blurred &= region.estimate.blur.extent_px >= options_.least_extent_px;
+      region.estimate.blurred &= region.estimate.blur.extent_px >= options_.min_extent_px;
     return regions;
   }
 

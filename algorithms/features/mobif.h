@@ -25,7 +25,7 @@ constexpr auto WordsOf(BlurDomain) {
 struct MobifOptions {
   using DescribedTag = void;
   std::string psf = "spectral";  ///< Estimator by name: see psf.h.
-  double least_extent_px = 6;    ///< A shorter blur is left alone.
+  double min_extent_px = 6;      ///< A shorter blur is left alone.
   /// Of the estimate, from which the image is restored; below, a blurred image's scale space is adapted.
   double restore_confidence = 0.6;
   bool regions = false;  ///< Blur that varies over the image (blur_field.h) instead of one for all of it.
@@ -49,7 +49,7 @@ struct MobifOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("psf", o.psf, AnyText(), "estimator of the point spread function");
-  visit("least_extent_px", o.least_extent_px, AtLeast(0), "a shorter blur is left alone");
+  visit("min_extent_px", o.min_extent_px, AtLeast(0), "a shorter blur is left alone");
   visit("restore_confidence", o.restore_confidence, Between(0, 1), "from which the image is restored");
   visit("regions", o.regions, Nested(), "blur that varies over the image");
   visit("light", o.light, EnumWords<BlurDomain>(),

@@ -17,7 +17,7 @@ namespace gaitcam {
 struct MobifRestoreOptions {
   using DescribedTag = void;
   std::string psf = "whitening";  ///< Estimator by name: see psf.h.
-  double least_extent_px = 6;     ///< A shorter blur is left alone (5.2.2: "we use 6").
+  double min_extent_px = 6;       ///< A shorter blur is left alone (5.2.2: "we use 6").
   WienerOptions wiener;
   ScaleSpaceOptions scale_space;
   HessianOptions hessian;
@@ -29,7 +29,7 @@ struct MobifRestoreOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, MobifRestoreOptions& o) {
   visit("psf", o.psf, AnyText(), "estimator of the point spread function");
-  visit("least_extent_px", o.least_extent_px, AtLeast(0), "a shorter blur is left alone");
+  visit("min_extent_px", o.min_extent_px, AtLeast(0), "a shorter blur is left alone");
   visit("wiener", o.wiener, Nested(), "restoration");
   visit("scale_space", o.scale_space, Nested(), "scales");
   visit("hessian", o.hessian, Nested(), "interest points");

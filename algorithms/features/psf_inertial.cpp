@@ -6,16 +6,11 @@
 #include <string>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/features/psf_oracle.h"
 
 namespace gaitcam {
 namespace {
-
-Eigen::Quaterniond Turn(const Eigen::Vector3d& angle) {
-  const double norm = angle.norm();
-  if (norm < 1e-15) return Eigen::Quaterniond::Identity();
-  return Eigen::Quaterniond(Eigen::AngleAxisd(norm, angle / norm));
-}
 
 /// Rate as a step function of time: constant between the middles of neighbouring stamps.
 class RateSteps {
@@ -30,7 +25,7 @@ class RateSteps {
       if (end <= begin) continue;
       const Eigen::Vector3d rate_C = R_CI_ * imu_[i].angular_rate;
       // Still points turn the other way in the camera's eyes.
-      R_now_earlier = (Turn(-rate_C * (double(end - begin) * 1e-9)) * R_now_earlier).normalized();
+      R_now_earlier = (ExpSo3(-rate_C * (double(end - begin) * 1e-9)) * R_now_earlier).normalized();
     }
   }
 

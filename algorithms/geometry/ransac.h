@@ -3,27 +3,31 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <string>
 #include <vector>
 
-#include "algorithms/core/fields.h"
+#include "algorithms/core/enum_words.h"
 #include "algorithms/core/random.h"
 
 namespace gaitcam {
+
+enum class RobustEstimator { kRansac, kMlesac, kPreemptive };
+constexpr auto WordsOf(RobustEstimator) {
+  return std::array{EnumWord{RobustEstimator::kRansac, "ransac"}, EnumWord{RobustEstimator::kMlesac, "mlesac"},
+                    EnumWord{RobustEstimator::kPreemptive, "preemptive"}};
+}
 
 /// Of all estimators behind EstimateRobustly (robust.h).
 struct RansacOptions {
   double threshold = 0.005;    ///< Maximum residual of an inlier, in the residual's unit.
   double confidence = 0.9999;  ///< Probability of at least one sample without outliers.
   int max_iterations = 300;
-  int min_iterations = 20;           ///< So that noise does not decide between models with the same inliers.
-  std::string estimator = "ransac";  ///< ransac | mlesac | preemptive; ignored by Ransac().
-  double outlier_span = 1.0;         ///< mlesac: residuals of mismatches are uniform over this range.
-  int block = 100;                   ///< preemptive: data scored between two halvings of the hypotheses.
+  int min_iterations = 20;  ///< So that noise does not decide between models with the same inliers.
+  RobustEstimator estimator = RobustEstimator::kRansac;  ///< Ignored by Ransac().
+  double outlier_span = 1.0;  ///< mlesac: residuals of mismatches are uniform over this range.
+  int block = 100;            ///< preemptive: data scored between two halvings of the hypotheses.
 };
-
-inline Words RobustEstimators() { return OneOf({"ransac", "mlesac", "preemptive"}); }
 
 /// A model and its inliers; none: no model was found.
 template <class Model>

@@ -13,13 +13,13 @@ namespace gaitcam {
 template <class Model, class Solve, class Residual2>
 RansacResult<Model> EstimateRobustly(int n, int sample_size, const RansacOptions& options, RandomStream& random,
                                      Solve solve, Residual2 residual2, const std::vector<Model>& first_guesses = {}) {
-  if (options.estimator == "mlesac") {
+  if (options.estimator == RobustEstimator::kMlesac) {
     return Mlesac<Model>(n, sample_size, options, random, solve, residual2, first_guesses);
   }
-  if (options.estimator == "preemptive") {
+  if (options.estimator == RobustEstimator::kPreemptive) {
     return PreemptiveRansac<Model>(n, sample_size, options, random, solve, residual2, first_guesses);
   }
-  GAITCAM_ASSERT(options.estimator == "ransac");
+  GAITCAM_ASSERT(options.estimator == RobustEstimator::kRansac);
   return Ransac<Model>(n, sample_size, options, random, solve, residual2, first_guesses);
 }
 

@@ -80,13 +80,13 @@ void WriteDepthTiff(const std::filesystem::path& file, const cv::Mat& depth) {
 void WriteVectorsPng(const std::filesystem::path& file, const cv::Mat& vectors, int compression) {
   GAITCAM_ASSERT(vectors.type() == CV_32FC2);
   cv::Mat coded(vectors.size(), CV_16UC3, cv::Scalar::all(0));
-  constexpr double kMost = std::numeric_limits<uint16_t>::max();
+  constexpr double kMax = std::numeric_limits<uint16_t>::max();
   for (int row = 0; row < vectors.rows; ++row) {
     for (int col = 0; col < vectors.cols; ++col) {
       const auto& v = vectors.at<cv::Vec2f>(row, col);
       const double x = std::round(v[0] * kVectorScale + kVectorOffset);
       const double y = std::round(v[1] * kVectorScale + kVectorOffset);
-      if (!(x >= 0 && x <= kMost && y >= 0 && y <= kMost)) continue;
+      if (!(x >= 0 && x <= kMax && y >= 0 && y <= kMax)) continue;
       coded.at<cv::Vec3w>(row, col) = {1, uint16_t(y), uint16_t(x)};  // blue, green, red
     }
   }

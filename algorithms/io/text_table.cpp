@@ -10,7 +10,7 @@ namespace gaitcam {
 namespace {
 
 constexpr int kNsDigits = 9;
-constexpr size_t kMostDigits = 19;  // of an int64_t
+constexpr size_t kMaxDigits = 19;  // of an int64_t
 
 std::string_view Trim(std::string_view text) {
   const size_t first = text.find_first_not_of(" \t\r");
@@ -152,7 +152,7 @@ bool ParseSeconds(std::string_view text, int64_t& stamp_ns) {
     stamp_ns = round_up ? (negative ? -1 : 1) : 0;
     return true;
   }
-  if (digits.size() + size_t(std::max(exponent, 0)) > kMostDigits) return false;
+  if (digits.size() + size_t(std::max(exponent, 0)) > kMaxDigits) return false;
   digits.append(size_t(std::max(exponent, 0)), '0');
   if (!Parse(std::string_view(digits), stamp_ns)) return false;
   stamp_ns = (negative ? -1 : 1) * (stamp_ns + round_up);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "algorithms/core/random.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/odometry/floor_prior.h"
 #include "algorithms/odometry/frame_records.h"
 #include "algorithms/odometry/keyframe_map.h"
@@ -156,9 +157,7 @@ Pose KeyframeVo::Tracker::PredictPose(const Observation& observation) const {
   const Eigen::Quaterniond R_CI = calibration_.imu.X_CI.rotation;
   for (size_t i = 1; i < observation.imu.size(); ++i) {
     const double dt = double(observation.imu[i].stamp_ns - observation.imu[i - 1].stamp_ns) * 1e-9;
-    const Eigen::Vector3d w = R_CI * observation.imu[i].angular_rate * dt;
-    const double angle = w.norm();
-    if (angle > 0) prediction.rotation = prediction.rotation * Eigen::AngleAxisd(angle, w / angle);
+    prediction.rotation = prediction.rotation * ExpSo3(R_CI * observation.imu[i].angular_rate * dt);
   }
   return prediction;
 }

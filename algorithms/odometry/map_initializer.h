@@ -26,9 +26,9 @@ namespace gaitcam {
 struct MapInitializerOptions {
   using DescribedTag = void;
 
-  MatchingOptions matching;          ///< Its fields are fields of these options.
-  std::string estimator = "mlesac";  ///< ransac | mlesac | preemptive.
-  double threshold_px = 2.0;         ///< Largest error of an inlier, px at the image centre.
+  MatchingOptions matching;  ///< Its fields are fields of these options.
+  RobustEstimator estimator = RobustEstimator::kMlesac;
+  double threshold_px = 2.0;  ///< Largest error of an inlier, px at the image centre.
   double ransac_confidence = 0.9999;
   int ransac_iterations = 300;       ///< Largest number of samples.
   int min_start_points = 40;         ///< Inliers, and points with a depth, that a new map needs.
@@ -44,7 +44,7 @@ struct MapInitializerOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, MapInitializerOptions& o) {
   VisitFields(visit, o.matching);
-  visit("estimator", o.estimator, RobustEstimators(), "robust estimator of the first two-view geometry");
+  visit("estimator", o.estimator, EnumWords<RobustEstimator>(), "robust estimator of the first two-view geometry");
   visit("threshold_px", o.threshold_px, Between(0.01, 100.0), "largest error of an inlier of two views, px");
   visit("ransac_confidence", o.ransac_confidence, Between(0.5, 0.999999), "probability of a sample without outliers");
   visit("ransac_iterations", o.ransac_iterations, Between(1, 1000000), "largest number of samples");

@@ -80,7 +80,7 @@ std::optional<Reconstruction> TwoViewVo::Loop::Reconstruct(const FrameView& view
   std::vector<PointPair> pairs;
   for (const Match& match : matches) pairs.push_back({previous_->xy[size_t(match.a)], view.xy[size_t(match.b)]});
   RansacOptions mlesac = Ransac(options_.threshold_px / camera_.fx);
-  mlesac.estimator = "mlesac";
+  mlesac.estimator = RobustEstimator::kMlesac;
   mlesac.outlier_span = camera_.width_px / camera_.fx;  // a mismatch may lie anywhere in the image
   const auto found = EstimateEssential(pairs, mlesac, random_, EpipolarDistance2);  // steps 3 and 4
   if (int(found.inliers.size()) < options_.min_points) return {};

@@ -106,8 +106,8 @@ std::optional<FloorMatch> MatchFloor(const std::vector<KnownFloor>& known, const
   FloorMatch match;
   match.moved = state.head<3>();
   match.covariance = H.inverse().topLeftCorner<3, 3>();
-  match.covariance.diagonal() += Eigen::Vector3d(std::pow(options.least_sigma_m, 2), std::pow(options.least_sigma_m, 2),
-                                                 std::pow(options.least_sigma_deg * kRadPerDeg, 2));
+  match.covariance.diagonal() += Eigen::Vector3d(std::pow(options.min_sigma_m, 2), std::pow(options.min_sigma_m, 2),
+                                                 std::pow(options.min_sigma_deg * kRadPerDeg, 2));
   match.points = comparison.points;
   match.mean_rho = comparison.mean_rho;
   match.correlation = comparison.correlation;

@@ -20,11 +20,11 @@ namespace gaitcam {
 struct FloorMatchOptions {
   using DescribedTag = void;
 
-  int min_points = 80;           ///< That earlier patches cover.
-  double noise_grey = 8.0;       ///< Standard deviation of a residual.
-  double independent = 0.05;     ///< Weight of the sum over points in the log-likelihood.
-  double least_sigma_m = 0.003;  ///< Lower bound of a match's: patches are rectified no better.
-  double least_sigma_deg = 0.2;
+  int min_points = 80;         ///< That earlier patches cover.
+  double noise_grey = 8.0;     ///< Standard deviation of a residual.
+  double independent = 0.05;   ///< Weight of the sum over points in the log-likelihood.
+  double min_sigma_m = 0.003;  ///< Lower bound of a match's: patches are rectified no better.
+  double min_sigma_deg = 0.2;
 };
 
 template <class Visitor>
@@ -32,8 +32,8 @@ void VisitFields(Visitor& visit, FloorMatchOptions& o) {
   visit("min_points", o.min_points, Between(4, 100000), "fewer in known floor say nothing");
   visit("noise_grey", o.noise_grey, Between(0.1, 255.0), "standard deviation of a floor point's residual");
   visit("independent", o.independent, Between(1e-4, 1.0), "part of the points that the likelihood counts");
-  visit("least_sigma_m", o.least_sigma_m, Between(1e-5, 1.0), "least standard deviation of a match");
-  visit("least_sigma_deg", o.least_sigma_deg, Between(1e-3, 90.0), "least standard deviation of a match");
+  visit("min_sigma_m", o.min_sigma_m, Between(1e-5, 1.0), "least standard deviation of a match");
+  visit("min_sigma_deg", o.min_sigma_deg, Between(1e-3, 90.0), "least standard deviation of a match");
 }
 
 /// An earlier patch and its pose.

@@ -87,9 +87,9 @@ std::vector<PutativePlane> FindBoundaries(const cv::Mat& smooth, const PutativeP
   cv::Mat edges, labels;
   cv::Canny(smooth, edges, options.canny_low, options.canny_high);
   if (options.closing_px > 0) cv::morphologyEx(edges, edges, cv::MORPH_CLOSE, Square(options.closing_px));
-  const int min_area_px = int(options.least_area_ratio * double(smooth.total()));
+  const int min_area_px = int(options.min_area_ratio * double(smooth.total()));
   std::vector<PutativePlane> planes;
-  for (const Region& region : LargestRegions(edges == 0, min_area_px, options.most_regions, labels)) {
+  for (const Region& region : LargestRegions(edges == 0, min_area_px, options.max_regions, labels)) {
     PutativePlane plane = BoundaryOf(labels, region, options.band_px);
     if (cv::countNonZero(plane.pixels) > 0) planes.push_back(std::move(plane));
   }
@@ -121,9 +121,9 @@ std::vector<PutativePlane> FindTextured(const cv::Mat& smooth, const PutativePla
     for (int u = options.block_px; u < dense.cols; u += options.block_px) dense.col(u) = 0;
     for (int v = options.block_px; v < dense.rows; v += options.block_px) dense.row(v) = 0;
   }
-  const int min_area_px = int(options.least_texture_ratio * double(smooth.total()));
+  const int min_area_px = int(options.min_texture_ratio * double(smooth.total()));
   std::vector<PutativePlane> planes;
-  for (const Region& region : LargestRegions(dense, min_area_px, options.most_regions, labels)) {
+  for (const Region& region : LargestRegions(dense, min_area_px, options.max_regions, labels)) {
     PutativePlane plane;
     plane.kind = PutativePlane::Kind::kTexture;
     plane.at = region.rectangle;
@@ -141,8 +141,8 @@ std::vector<PutativePlane> FindPutativePlanes(const cv::Mat& image, const Putati
   CheckOptions(options);
   const cv::Mat smooth = Smoothed(image);
   std::vector<PutativePlane> planes;
-  if (options.selector != "texture") planes = FindBoundaries(smooth, options);
-  if (options.selector != "boundary") {
+  if (options.selector != RegionSelector::kTexture) planes = FindBoundaries(smooth, options);
+  if (options.selector != RegionSelector::kBoundary) {
     for (PutativePlane& plane : FindTextured(smooth, options)) planes.push_back(std::move(plane));
   }
   std::stable_sort(planes.begin(), planes.end(), [](const auto& a, const auto& b) { return a.area_px > b.area_px; });

@@ -6,45 +6,53 @@
 
 #pragma once
 
+#include <array>
 #include <opencv2/core.hpp>
-#include <string>
 #include <vector>
 
+#include "algorithms/core/enum_words.h"
 #include "algorithms/core/fields.h"
 
 namespace gaitcam {
 
+/// By what regions are proposed: their outline, their texture, or both.
+enum class RegionSelector { kBoundary, kTexture, kBoth };
+constexpr auto WordsOf(RegionSelector) {
+  return std::array{EnumWord{RegionSelector::kBoundary, "boundary"}, EnumWord{RegionSelector::kTexture, "texture"},
+                    EnumWord{RegionSelector::kBoth, "both"}};
+}
+
 struct PutativePlaneOptions {
   using DescribedTag = void;
-  std::string selector = "both";  ///< "boundary", "texture" or "both".
-  int most_regions = 24;          ///< The largest of each selector are kept.
+  RegionSelector selector = RegionSelector::kBoth;
+  int max_regions = 24;  ///< The largest of each selector are kept.
 
   double canny_low = 30, canny_high = 80;  ///< Gradients as the Sobel operator has them: 4 per grey level per pixel
                                            ///< of a ramp.
   int closing_px = 2;                      ///< Radius of the dilation and erosion that close gaps in edges.
-  double least_area_ratio = 0.01;          ///< Area of a region that edges enclose, part of the image.
+  double min_area_ratio = 0.01;            ///< Area of a region that edges enclose, part of the image.
   int band_px = 6;                         ///< Thickness of a boundary (thesis 6.3).
 
   double texture_gradient_grey = 2.5;  ///< Per pixel, after smoothing with 1 px; less is noise.
   int texture_window_px = 21;          ///< Side of the square within which texture is counted.
   double texture_density = 0.33;       ///< Textured part of that square, at least.
-  double least_texture_ratio = 0.006;  ///< Area of a textured region, part of the image.
+  double min_texture_ratio = 0.006;    ///< Area of a textured region, part of the image.
   int block_px = 64;                   ///< Textured regions are cut along a grid of this width; 0: not cut.
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, PutativePlaneOptions& o) {
-  visit("selector", o.selector, OneOf({"boundary", "texture", "both"}), "regions by their outline, by their texture");
-  visit("most_regions", o.most_regions, Between(1, 1000), "largest regions kept, of each selector");
+  visit("selector", o.selector, EnumWords<RegionSelector>(), "regions by their outline, by their texture");
+  visit("max_regions", o.max_regions, Between(1, 1000), "largest regions kept, of each selector");
   visit("canny_low", o.canny_low, Between(1, 2000), "edges end below this Sobel gradient");
   visit("canny_high", o.canny_high, Between(1, 2000), "edges start above this Sobel gradient");
   visit("closing_px", o.closing_px, Between(0, 20), "radius by which gaps in edges are closed");
-  visit("least_area_ratio", o.least_area_ratio, Between(0.0001, 1.0), "least part of the image that edges enclose");
+  visit("min_area_ratio", o.min_area_ratio, Between(0.0001, 1.0), "least part of the image that edges enclose");
   visit("band_px", o.band_px, Between(2, 64), "thickness of a boundary");
   visit("texture_gradient_grey", o.texture_gradient_grey, Between(0.1, 255.0), "grey per pixel; less is noise");
   visit("texture_window_px", o.texture_window_px, Between(3, 255), "side of the square for the density of texture");
   visit("texture_density", o.texture_density, Between(0.01, 1.0), "part of the square that is textured");
-  visit("least_texture_ratio", o.least_texture_ratio, Between(0.0001, 1.0), "least part of the image with texture");
+  visit("min_texture_ratio", o.min_texture_ratio, Between(0.0001, 1.0), "least part of the image with texture");
   visit("block_px", o.block_px, Between(0, 10000), "grid that cuts textured regions; 0: whole");
 }
 

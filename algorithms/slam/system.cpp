@@ -5,7 +5,6 @@
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
 #include "algorithms/odometry/keyframe_vo.h"
-#include "algorithms/odometry/mobif_vo_plus.h"
 #include "algorithms/odometry/two_view_vo.h"
 #include "algorithms/slam/floor_slam.h"
 #include "algorithms/slam/settings.h"
@@ -30,15 +29,23 @@ class KeyframeVoSystem : public System {
   KeyframeVo odometry_;
 };
 
-/// A preset of the keyframe odometry, called by its default detector.
-Entry KeyframeVoWith(const std::string& feature, const std::string& description) {
-  constexpr double kSensitivity = 4;
-  const std::string name = feature + "_vo";
-  const KeyframeVoOptions defaults = KeyframeVoOptions::WithFeature(feature, kSensitivity);
+/// A preset of the keyframe odometry.
+Entry Preset(const std::string& name, const std::string& description, const KeyframeVoOptions& defaults) {
   return {{name, description, ListFields(defaults), {}, false}, [name, defaults](const SystemSetup& setup) {
             return std::make_unique<KeyframeVoSystem>(setup.calibration, OptionsFrom(setup.settings, name, defaults),
                                                       setup.seed);
           }};
+}
+
+/// A preset called by its default detector.
+Entry KeyframeVoWith(const std::string& feature, const std::string& description) {
+  return Preset(feature + "_vo", description, KeyframeVoOptions::WithFeature(feature, 4));
+}
+
+Entry MobifVoPlus() {
+  KeyframeVoOptions options = KeyframeVoOptions::WithFeature("mobif", 4);
+  options.rotation_before_map = true;
+  return Preset("mobif_vo_plus", "the odometry of mobif_vo, with rotations from the first frame on", options);
 }
 
 class TwoViewVoSystem : public System {
@@ -49,17 +56,6 @@ class TwoViewVoSystem : public System {
 
  private:
   TwoViewVo odometry_;
-};
-
-class MobifVoPlusSystem : public System {
- public:
-  explicit MobifVoPlusSystem(const SystemSetup& setup)
-      : odometry_(setup.calibration, OptionsFrom<MobifVoPlusOptions>(setup.settings, "mobif_vo_plus"), setup.seed) {}
-  FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
-  FinalEstimate Finish() override { return {odometry_.Finish(), {}, {}}; }
-
- private:
-  MobifVoPlus odometry_;
 };
 
 class FloorSlamSystem : public System {
@@ -98,6 +94,7 @@ std::vector<Entry> MakeEntries() {
   std::vector<Entry> entries = {
       KeyframeVoWith("akaze", "the odometry of mobif_vo with AKAZE features"),
       KeyframeVoWith("mobif", "monocular keyframe odometry with MoBIF features"),
+      MobifVoPlus(),
       KeyframeVoWith("orb", "the odometry of mobif_vo with ORB features"),
       KeyframeVoWith("sift", "the odometry of mobif_vo with SIFT features: the plain baseline"),
       KeyframeVoWith("surf", "the odometry of mobif_vo with SURF features"),
@@ -113,12 +110,6 @@ std::vector<Entry> MakeEntries() {
         {SensorNeed::kStandingCamera},
         false},
        [](const SystemSetup& setup) { return std::make_unique<FloorSlamSystem>(setup); }},
-      {{"mobif_vo_plus",
-        "monocular odometry for a shaking camera: blur-robust features, inverse depths, bundle adjustment",
-        ListFields(MobifVoPlusOptions()),
-        {},
-        false},
-       [](const SystemSetup& setup) { return std::make_unique<MobifVoPlusSystem>(setup); }},
       {{"topo_slam",
         "a map of places seen all around, 170 bytes each; the robot scans as it asks (thesis, chapter 4)",
         ListFields(TopoSlamOptions()),

@@ -101,10 +101,9 @@ class Excursion {
     if (to.norm() > options_.speed_mps) to *= options_.speed_mps / to.norm();
     const double turn = std::clamp(wanted.turn_rad_s, -options_.turn_rate_rad_s, options_.turn_rate_rad_s);
     const Eigen::Vector2d change = to - now;
-    const double most = options_.acceleration_mps2 * period_s, most_turn = options_.turn_acceleration_rad_s2 * period_s;
+    const double most = options_.acceleration_mps2 * period_s, max_turn = options_.turn_acceleration_rad_s2 * period_s;
     now = change.norm() > most ? Eigen::Vector2d(now + change * (most / change.norm())) : to;
-    velocity_ = {now.x(), now.y(),
-                 std::clamp(turn, velocity_.turn_rad_s - most_turn, velocity_.turn_rad_s + most_turn)};
+    velocity_ = {now.x(), now.y(), std::clamp(turn, velocity_.turn_rad_s - max_turn, velocity_.turn_rad_s + max_turn)};
   }
 
   PlanarPose RouteAt(double t) const {

@@ -15,7 +15,7 @@ namespace gaitcam {
 namespace {
 
 constexpr int kSolveIterations = 2;
-constexpr double kMostAnkleFeedback_rad = 0.3;
+constexpr double kMaxAnkleFeedback_rad = 0.3;
 constexpr double kFade_s = 0.5;  ///< In which arms and neck begin and end to swing.
 
 class Walker : public Controller {
@@ -165,8 +165,8 @@ class Walker : public Controller {
       correction -= swing * options_.leveling_gain * tilt;
       correction = foot_from_root * correction;
       LegAngles angles = solution_->legs[size_t(side)].angles;
-      angles[5] += std::clamp(correction.x(), -kMostAnkleFeedback_rad, kMostAnkleFeedback_rad);
-      angles[4] += std::clamp(correction.y(), -kMostAnkleFeedback_rad, kMostAnkleFeedback_rad);
+      angles[5] += std::clamp(correction.x(), -kMaxAnkleFeedback_rad, kMaxAnkleFeedback_rad);
+      angles[4] += std::clamp(correction.y(), -kMaxAnkleFeedback_rad, kMaxAnkleFeedback_rad);
       plan_.posture.leg(side).ToJoints(angles, targets_);
     }
   }

@@ -9,20 +9,17 @@
 // the threads. LP_NUM_THREADS=0 keeps Mesa's software renderer on the one thread that own_thread is about.
 
 #include <benchmark/benchmark.h>
-#include <stdlib.h>
 #include <time.h>
 
 #include <chrono>
-#include <filesystem>
 #include <thread>
 
 #include "scenarios/code/files/scenario.h"
 #include "scenarios/code/runs/recorder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
-
-namespace fs = std::filesystem;
 
 double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -69,18 +66,16 @@ Cost RenderAlone(const ResolvedScenario& resolved) {
 
 /// From the first frame's end until all files have their names. @param threads of the writer.
 Cost Record(const ResolvedScenario& resolved, int threads) {
-  std::string name = (fs::temp_directory_path() / "gaitcam-benchmark-XXXXXX").string();
-  const fs::path folder = mkdtemp(name.data());
+  const TemporaryFolder folder;
   RecordOptions options;
   options.format.threads = threads;
   Cost cost;
   options.progress = [&cost](int64_t frames, int64_t) {
     if (frames == 1) cost = Cost();
   };
-  const int64_t frames = RecordScenario(resolved, DatasetFolders::In(folder, "walk"), options).frames - 1;
+  const int64_t frames = RecordScenario(resolved, DatasetFolders::In(folder.path(), "walk"), options).frames - 1;
   cost.End();
   cost.frames = frames;
-  fs::remove_all(folder);
   return cost;
 }
 

@@ -7,19 +7,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include "tests/data_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
-
-inline std::string ReadAll(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 /// The program under test: the installed one where the launcher names it, else the one that was built beside the tests.
 inline std::string Program() {
@@ -37,8 +30,8 @@ inline ProgramResult RunShell(const std::string& command, const std::filesystem:
   ProgramResult result;
   const int status = std::system(("cd " + folder.string() + " && { " + command + "; } >.out 2>.err").c_str());
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  result.out = ReadAll(folder / ".out");
-  result.err = ReadAll(folder / ".err");
+  result.out = ReadText(folder / ".out");
+  result.err = ReadText(folder / ".err");
   std::filesystem::remove(folder / ".out");
   std::filesystem::remove(folder / ".err");
   return result;

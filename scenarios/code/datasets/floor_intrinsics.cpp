@@ -11,7 +11,7 @@ namespace {
 constexpr int kStep_px = 4;        // between samples
 constexpr double kMaxDepth_m = 4;  // beyond it the depth's resolution is too coarse
 constexpr double kFirstWindow_m = 0.03, kWindow_m = 0.002;
-constexpr size_t kFewest = 200;
+constexpr size_t kMin = 200;
 
 }  // namespace
 
@@ -47,7 +47,7 @@ std::optional<FloorIntrinsics> FloorFit::Fit() const {
       sum += height * height;
       ++count;
     }
-    if (count < kFewest) return std::nullopt;
+    if (count < kMin) return std::nullopt;
     c = normal.ldlt().solve(right);
     window = next_window;
   }
@@ -67,7 +67,7 @@ std::optional<FloorIntrinsics> FloorFit::Fit() const {
 std::optional<double> FloorFit::FloorHeight(const CameraModel& camera, const Pose& X_WC, const cv::Mat& depth) {
   FloorFit fit(camera);
   fit.Add(X_WC, depth);
-  if (fit.samples_.size() < kFewest) return std::nullopt;
+  if (fit.samples_.size() < kMin) return std::nullopt;
   std::vector<double> heights;
   for (const Sample& s : fit.samples_) heights.push_back(std::abs(s.t_z + s.depth * (s.r0 * s.x + s.r1 * s.y + s.r2)));
   return UpperMedian(std::move(heights));

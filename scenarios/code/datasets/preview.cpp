@@ -13,7 +13,7 @@
 namespace gaitcam {
 namespace {
 
-constexpr double kMostHz = 15;
+constexpr double kMaxHz = 15;
 constexpr int kTiles = 12, kColumns = 3, kGap_px = 12, kCaption_px = 26, kTitle_px = 44;
 constexpr int kArrowStep_px = 28;  // between arrows, px of the tile
 const cv::Scalar kPaper(250, 250, 250), kLabelInk(40, 36, 32), kLabelFaint(120, 115, 110), kArrow(255, 240, 0);  // BGR
@@ -70,7 +70,7 @@ std::vector<size_t> EvenlySpread(size_t of, size_t count) {
 
 void WritePreview(const RecordedWalk& walk, const std::filesystem::path& file) {
   const double rate_hz = walk.calibration.frame_rate_hz;
-  const int stride = std::max(1, int(std::ceil(rate_hz / kMostHz)));
+  const int stride = std::max(1, int(std::ceil(rate_hz / kMaxHz)));
   VideoWriter film(file, {rate_hz / stride, std::min(360, std::max(120, walk.calibration.camera.height_px))});
   for (size_t i = 0; i < walk.frames.size(); i += size_t(stride)) {
     const RecordedFrame& frame = walk.frames[i];

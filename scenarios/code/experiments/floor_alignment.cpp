@@ -130,10 +130,10 @@ cv::Mat Floor::Light(const std::vector<Pose>& poses_WC) const {
 
 /// What is drawn for a pair.
 struct PairOptions {
-  double least_px = 0, most_px = 8;  ///< Mean displacement, uniform in between.
-  double exposure_ms = 0;            ///< Of both pictures; while it lasts, each moves in a way of its own.
-  bool noise = false;                ///< Of the simulator's sensor, at that exposure (10 ms for an instant's).
-  double guess_ratio = 0;            ///< How much of the motion is foreseen.
+  double min_px = 0, max_px = 8;  ///< Mean displacement, uniform in between.
+  double exposure_ms = 0;         ///< Of both pictures; while it lasts, each moves in a way of its own.
+  bool noise = false;             ///< Of the simulator's sensor, at that exposure (10 ms for an instant's).
+  double guess_ratio = 0;         ///< How much of the motion is foreseen.
 };
 
 /// Two pictures and what is true of them.
@@ -226,7 +226,7 @@ Pair DrawPair(const Floor& floor, const PairOptions& options, uint64_t seed) {
   pair.mask = FloorMask(floor, X_WR);
   const PlaneState still = PlaneSeenFrom(X_WR);
   const auto draw = [&] {
-    return DrawMotion(still, pair.mask, random.Uniform(options.least_px, options.most_px), random);
+    return DrawMotion(still, pair.mask, random.Uniform(options.min_px, options.max_px), random);
   };
   const Vector6d motion = draw();
   pair.truth = still;
@@ -317,14 +317,14 @@ std::string BasinTable(const std::vector<Floor>& floors, int pairs) {
   std::string text =
       fmt::format("| floor | start | noise | {} |\n|---|---|---|---|---|---|---|---|---|---|---|\n", Row::Head());
   for (const Floor& floor : floors) {
-    for (const auto& [least_px, most_px] : {std::pair(0.0, 8.0), std::pair(0.0, 20.0), std::pair(20.0, 30.0)}) {
+    for (const auto& [min_px, max_px] : {std::pair(0.0, 8.0), std::pair(0.0, 20.0), std::pair(20.0, 30.0)}) {
       for (const bool noise : {false, true}) {
         Row row;
         for (int i = 0; i < pairs; ++i) {
-          const Pair pair = DrawPair(floor, {least_px, most_px, 0, noise, 0}, uint64_t(i));
+          const Pair pair = DrawPair(floor, {min_px, max_px, 0, noise, 0}, uint64_t(i));
           AlignPair(pair, Compared::kLight, uint64_t(i), row);
         }
-        text += fmt::format("| {} | {:g}–{:g} px | {} | {} |\n", floor.name(), least_px, most_px,
+        text += fmt::format("| {} | {:g}–{:g} px | {} | {} |\n", floor.name(), min_px, max_px,
                             noise ? "sensor" : "none", row.Text());
         Log(text);
       }

@@ -28,7 +28,7 @@ class Log {
 
   void AtTick(const World& world, const GaitState& gait) {
     const Pose X_WB = world.X_WB();
-    result_.most_tilt_rad = std::max(result_.most_tilt_rad, std::acos(std::clamp(X_WB.R()(2, 2), -1.0, 1.0)));
+    result_.max_tilt_rad = std::max(result_.max_tilt_rad, std::acos(std::clamp(X_WB.R()(2, 2), -1.0, 1.0)));
     if (gait.step >= 6) AddHeadRate(world);
     if (gait.step == last_step_) return;
     last_step_ = gait.step;

@@ -26,7 +26,7 @@ struct WalkTrialResult {
   double end_s = 0;       ///< Simulated time at the end.
   double distance_m = 0;  ///< Way of the root over the floor, step by step.
   double speed_m_s = 0;   ///< That way over the time between the first and the last step.
-  double most_tilt_rad = 0;
+  double max_tilt_rad = 0;
   std::vector<double> path_error_m;                         ///< Distance of the root from the path, once per step.
   PlanarPose end;                                           ///< True root at the end.
   Eigen::Vector3d head_rate_rms = Eigen::Vector3d::Zero();  ///< Of the camera: roll, pitch, yaw, rad/s, while walking.

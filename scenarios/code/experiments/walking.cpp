@@ -78,7 +78,7 @@ std::vector<double> Each(const Row& row, Value value) {
 std::string Line(const Row& row) {
   const auto not_there = std::count_if(row.trials.begin(), row.trials.end(), [](const auto& t) { return !t.finished; });
   const auto speed = Each(row, [](const auto& t) { return 100 * t.speed_m_s; });
-  const auto tilt = Each(row, [](const auto& t) { return kDegPerRad * t.most_tilt_rad; });
+  const auto tilt = Each(row, [](const auto& t) { return kDegPerRad * t.max_tilt_rad; });
   const auto error = Each(row, [](const auto& t) { return 100 * QuantileOf(t.path_error_m, 0.5); });
   const auto worst = Each(row, [](const auto& t) { return 100 * QuantileOf(t.path_error_m, 1); });
   const auto rate = [&](int axis) {

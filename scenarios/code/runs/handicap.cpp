@@ -1,6 +1,7 @@
 #include "scenarios/code/runs/handicap.h"
 
-#include <Eigen/Geometry>
+#include "algorithms/core/se3.h"
+#include "algorithms/core/units.h"
 
 namespace gaitcam {
 
@@ -53,10 +54,7 @@ void HandicappedSystem::Disturb(FrameEstimate& frame) {
   const auto draw = [this] { return Eigen::Vector3d(random_.Normal(), random_.Normal(), random_.Normal()); };
   if (options_.pose_noise > 0) frame.pose->translation += options_.pose_noise * draw();
   if (options_.pose_noise_deg > 0) {
-    const Eigen::Vector3d turn = options_.pose_noise_deg * M_PI / 180 * draw();
-    if (turn.norm() > 0) {
-      frame.pose->rotation = frame.pose->rotation * Eigen::AngleAxisd(turn.norm(), turn.normalized());
-    }
+    frame.pose->rotation = frame.pose->rotation * ExpSo3(options_.pose_noise_deg * kRadPerDeg * draw());
   }
 }
 

@@ -11,10 +11,10 @@
 namespace gaitcam {
 
 FloorTruth FloorTruthOf(const Scene& scene, double cell_m) {
-  constexpr double kPixelsPerCell = 2, kMostPixels = 64e6;
+  constexpr double kPixelsPerCell = 2, kMaxPixels = 64e6;
   const Eigen::Vector2d size = scene.floor_max - scene.floor_min;
   FloorTruth truth;
-  truth.px_per_m = std::min(kPixelsPerCell / cell_m, std::sqrt(kMostPixels / size.prod()));
+  truth.px_per_m = std::min(kPixelsPerCell / cell_m, std::sqrt(kMaxPixels / size.prod()));
   cv::cvtColor(FloorImage(scene, truth.px_per_m), truth.grey, cv::COLOR_BGR2GRAY);
   const double half_pixel = 0.5 / truth.px_per_m;
   truth.corner_m = {scene.floor_min.x() + half_pixel, scene.floor_max.y() - half_pixel};

@@ -223,14 +223,14 @@ class PlaceViewMaker {
       if (stopped_) return;
       Simulation walk(resolved_.robot, resolved_.scene, WalkingOptions(scenario_, exposure_ms), scenario_.seed);
       RandomStream random(scenario_.seed, "localisation.walks");
-      const int most_walks = 10 * options_.queries;
+      const int max_walks = 10 * options_.queries;
       int missing = options_.queries;
-      for (int leg = 0; leg < most_walks && missing > 0 && !stopped_; ++leg) {
+      for (int leg = 0; leg < max_walks && missing > 0 && !stopped_; ++leg) {
         walk.Restart(RandomWalk(options_, random), SeedOf(scenario_.seed, "walk", leg));
         missing -= FilmWalk(walk, WalkName(exposure_ms), missing);
       }
       if (missing > 0 && !stopped_) {
-        throw BadInput(fmt::format("localisation: {} walks gave only {} views with both feet on their way", most_walks,
+        throw BadInput(fmt::format("localisation: {} walks gave only {} views with both feet on their way", max_walks,
                                    options_.queries - missing));
       }
     }

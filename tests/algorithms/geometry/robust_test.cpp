@@ -22,7 +22,7 @@ std::vector<Eigen::Vector2d> LinePoints(int n, int outliers, uint64_t seed) {
   return points;
 }
 
-RansacResult<Line> FitLine(const std::vector<Eigen::Vector2d>& points, const std::string& estimator, uint64_t seed) {
+RansacResult<Line> FitLine(const std::vector<Eigen::Vector2d>& points, RobustEstimator estimator, uint64_t seed) {
   RansacOptions options;
   options.threshold = 0.03;
   options.estimator = estimator;
@@ -40,7 +40,7 @@ RansacResult<Line> FitLine(const std::vector<Eigen::Vector2d>& points, const std
   return EstimateRobustly<Line>(int(points.size()), 2, options, random, solve, residual2);
 }
 
-class EveryEstimator : public testing::TestWithParam<std::string> {};
+class EveryEstimator : public testing::TestWithParam<RobustEstimator> {};
 
 TEST_P(EveryEstimator, FindsTheLineAmongOutliers) {
   for (uint64_t seed = 0; seed < 20; ++seed) {
@@ -65,8 +65,10 @@ TEST_P(EveryEstimator, TooFewDataAreNoModel) {
   EXPECT_TRUE(FitLine({{0, 1}}, GetParam(), 1).inliers.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(, EveryEstimator, testing::Values("ransac", "mlesac", "preemptive"),
-                         [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(, EveryEstimator,
+                         testing::Values(RobustEstimator::kRansac, RobustEstimator::kMlesac,
+                                         RobustEstimator::kPreemptive),
+                         [](const auto& info) { return std::string(ToWord(info.param)); });
 
 TEST(Mixture, ExpectationMaximisationFindsTheShareOfInliers) {
   RandomStream random(1, "mixture");

@@ -145,12 +145,12 @@ TEST_P(AgainstPeers, NoLessAccurateInTheMedian) {
     opencv_t.push_back(c.turn_only ? 0 : DirectionError(opencv, X_AB));
     opengv_t.push_back(c.turn_only ? 0 : DirectionError(opengv_, X_AB));
   }
-  for (const char* estimator : {"ransac", "mlesac", "preemptive"}) {
+  for (const auto& [kind, estimator] : WordsOf(RobustEstimator())) {
     std::vector<double> R, t;
     int verdicts = 0, planes = 0, among = 0;
     for (const ViewPairs& views : scenes) {
       RansacOptions options = Options(2);
-      options.estimator = estimator;
+      options.estimator = kind;
       RandomStream random(1, "peers");
       const TwoView found = EstimateTwoView(views.pairs, options, random);
       R.push_back(RotationAngle(found.X_AB.rotation, views.X_AB.rotation));
@@ -162,7 +162,7 @@ TEST_P(AgainstPeers, NoLessAccurateInTheMedian) {
     printf(
         "%-10s %-10s rotation, direction (mrad): %6.2f %6.2f   OpenCV %6.2f %6.2f   OpenGV %6.2f %6.2f   turn %d plane "
         "%d among %d\n",
-        c.name, estimator, 1e3 * UpperMedian(R), 1e3 * UpperMedian(t), 1e3 * UpperMedian(opencv_R),
+        c.name, estimator.data(), 1e3 * UpperMedian(R), 1e3 * UpperMedian(t), 1e3 * UpperMedian(opencv_R),
         1e3 * UpperMedian(opencv_t), 1e3 * UpperMedian(opengv_R), 1e3 * UpperMedian(opengv_t), verdicts, planes, among);
     EXPECT_LE(UpperMedian(R), std::min(UpperMedian(opencv_R), UpperMedian(opengv_R))) << estimator;
     EXPECT_LE(UpperMedian(t), std::min(UpperMedian(opencv_t), UpperMedian(opengv_t))) << estimator;

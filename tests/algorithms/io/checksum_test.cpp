@@ -1,11 +1,11 @@
 #include "algorithms/io/checksum.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <fstream>
+#include <filesystem>
 
 #include "algorithms/core/errors.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -18,12 +18,12 @@ TEST(Checksum, AgreesWithTheStandardsExamples) {
 
 TEST(Checksum, OfAFileIsThatOfItsBytes) {
   const std::string text(200000, 'x');  // more than one piece
-  const auto file = std::filesystem::temp_directory_path() / ("gaitcam_checksum_" + std::to_string(getpid()));
-  std::ofstream(file, std::ios::binary) << text;
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.Write("text", text);
   EXPECT_EQ(Sha256OfFile(file), Sha256(text));
   std::filesystem::remove(file);
   EXPECT_THROW(Sha256OfFile(file), BadInput);
-  EXPECT_THROW(Sha256OfFile(std::filesystem::temp_directory_path()), BadInput);
+  EXPECT_THROW(Sha256OfFile(folder.path()), BadInput);
 }
 
 }  // namespace

@@ -3,15 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "algorithms/core/errors.h"
-#include "temporary_folder.h"
+#include "tests/algorithms/io/file_test.h"
 
 namespace gaitcam {
 namespace {
 
-class CovarianceFile : public TemporaryFolder {};
+class CovarianceFile : public FileTest {};
 
 Matrix6d SomeCovariance(double scale) {
   Matrix6d root = Matrix6d::Zero();
@@ -43,9 +41,8 @@ TEST_F(CovarianceFile, IsNotWrittenWhereNoFrameHasOne) {
 
 TEST_F(CovarianceFile, SaysWhereItIsWrong) {
   const auto error = [&](const std::string& text) -> std::string {
-    std::ofstream(folder_ / "bad.csv") << text;
     try {
-      ReadCovariances(folder_ / "bad.csv");
+      ReadCovariances(Write("bad.csv", text));
     } catch (const BadInput& e) {
       return e.what();
     }

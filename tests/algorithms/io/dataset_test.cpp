@@ -11,7 +11,8 @@
 #include "algorithms/io/image_file.h"
 #include "algorithms/io/text_table.h"
 #include "algorithms/io/trajectory_file.h"
-#include "tests/algorithms/io/temporary_folder.h"
+#include "tests/algorithms/io/file_test.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -170,7 +171,7 @@ struct Kind {
   bool truth_inside = false;
 };
 
-class Datasets : public TemporaryFolder {
+class Datasets : public FileTest {
  protected:
   DatasetFolders Folders() const { return DatasetFolders::In(folder_, "walk"); }
 
@@ -194,7 +195,7 @@ class Datasets : public TemporaryFolder {
 
   // Replaces one text in a file.
   void Spoil(const fs::path& file, const std::string& from, const std::string& to) const {
-    std::string text = Text(file);
+    std::string text = ReadText(file);
     const size_t at = text.find(from);
     ASSERT_NE(at, std::string::npos) << file << " has no " << from;
     std::ofstream(file, std::ios::binary) << text.replace(at, from.size(), to);
@@ -285,13 +286,13 @@ TEST_F(Datasets, TheTumLayoutIsWhatItsToolsRead) {
   const Calibration calibration = FullCalibration();
   Record(calibration, SomeObservations(calibration, 2), {DatasetFormat::kTum, true});
   const fs::path root = folder_ / "walk";
-  EXPECT_THAT(Text(root / "rgb.txt"), HasSubstr("\n1403636579.763555584 rgb/1403636579.763555584.png\n"));
-  EXPECT_THAT(Text(root / "depth.txt"), HasSubstr("\n1403636579.763555584 depth/1403636579.763555584.png\n"));
-  EXPECT_THAT(Text(root / "associations.txt"),
+  EXPECT_THAT(ReadText(root / "rgb.txt"), HasSubstr("\n1403636579.763555584 rgb/1403636579.763555584.png\n"));
+  EXPECT_THAT(ReadText(root / "depth.txt"), HasSubstr("\n1403636579.763555584 depth/1403636579.763555584.png\n"));
+  EXPECT_THAT(ReadText(root / "associations.txt"),
               HasSubstr("\n1403636579.763555584 rgb/1403636579.763555584.png 1403636579.763555584 "
                         "depth/1403636579.763555584.png\n"));
-  EXPECT_THAT(Text(root / "times.txt"), HasSubstr("\n00001 1403636579.796888917 7.666666666666667\n"));
-  EXPECT_THAT(Text(root / "accelerometer.txt"), HasSubstr("\n1403636579.756555584 "));
+  EXPECT_THAT(ReadText(root / "times.txt"), HasSubstr("\n00001 1403636579.796888917 7.666666666666667\n"));
+  EXPECT_THAT(ReadText(root / "accelerometer.txt"), HasSubstr("\n1403636579.756555584 "));
   EXPECT_EQ(ReadTrajectory(root / "groundtruth.txt").trajectory.size(), 2u);
   TextTable rgb(root / "rgb.txt", ' ');
   while (rgb.Next()) EXPECT_TRUE(fs::exists(root / rgb.Text(1, "file")));
@@ -301,15 +302,15 @@ TEST_F(Datasets, TheEurocLayoutIsWhatItsToolsRead) {
   const Calibration calibration = FullCalibration();
   Record(calibration, SomeObservations(calibration, 2), {DatasetFormat::kEuroc, true});
   const fs::path mav0 = folder_ / "walk" / "mav0";
-  EXPECT_THAT(Text(mav0 / "cam0" / "data.csv"),
+  EXPECT_THAT(ReadText(mav0 / "cam0" / "data.csv"),
               HasSubstr("#timestamp [ns],filename\n1403636579763555584,1403636579763555584.png\n"));
   for (const char* camera : {"cam0", "cam1"}) {
     EXPECT_TRUE(fs::exists(mav0 / camera / "data" / "1403636579763555584.png"));
-    EXPECT_THAT(Text(mav0 / camera / "sensor.yaml"),
+    EXPECT_THAT(ReadText(mav0 / camera / "sensor.yaml"),
                 AllOf(HasSubstr("camera_model: pinhole"), HasSubstr("resolution: [32, 24]"), HasSubstr("T_BS:")));
   }
-  EXPECT_THAT(Text(mav0 / "imu0" / "data.csv"), HasSubstr("\n1403636579756555584,"));
-  EXPECT_THAT(Text(mav0 / "imu0" / "sensor.yaml"), HasSubstr("gyroscope_noise_density"));
+  EXPECT_THAT(ReadText(mav0 / "imu0" / "data.csv"), HasSubstr("\n1403636579756555584,"));
+  EXPECT_THAT(ReadText(mav0 / "imu0" / "sensor.yaml"), HasSubstr("gyroscope_noise_density"));
   EXPECT_EQ(ReadTrajectory(mav0 / "state_groundtruth_estimate0" / "data.csv").format, TrajectoryFormat::kEuroc);
   EXPECT_TRUE(fs::exists(folder_ / "walk-truth" / "mav0" / "state_groundtruth_estimate0" / "sensor.yaml"));
 }
@@ -356,7 +357,8 @@ TEST_F(Datasets, ThreadsWriteTheBytesThatTheCallerWould) {
   int files = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder_ / "0")) {
     if (!entry.is_regular_file()) continue;
-    EXPECT_TRUE(Text(entry.path()) == Text(folder_ / "3" / fs::relative(entry.path(), folder_ / "0"))) << entry.path();
+    EXPECT_TRUE(ReadText(entry.path()) == ReadText(folder_ / "3" / fs::relative(entry.path(), folder_ / "0")))
+        << entry.path();
     ++files;
   }
   EXPECT_GT(files, 40 * 6);  // left, right, depth, sharp, true depth, blur
@@ -511,7 +513,7 @@ TEST_F(Datasets, SpoiltFilesAreNamedWithTheirLine) {
 TEST_F(Datasets, SpoiltCalibrationsAreNamedWithTheirLine) {
   Record(MonoCalibration(), SomeObservations(MonoCalibration(), 1), {DatasetFormat::kEuroc});
   const fs::path file = folder_ / "walk" / "calibration.yaml";
-  const std::string good = Text(file);
+  const std::string good = ReadText(file);
   const auto refusal = [&](const std::string& from, const std::string& to) {
     std::ofstream(file) << good;
     Spoil(file, from, to);
@@ -558,7 +560,8 @@ TEST_F(Datasets, AFolderThatIsNoneIsSaid) {
 }
 
 TEST(DepthFiles, WhatSixteenBitsHoldIsExact) {
-  const fs::path file = fs::path(::testing::TempDir()) / "gaitcam_depth.png";
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "depth.png";
   cv::Mat depth(1, 65536, CV_32FC1);
   for (int i = 0; i < 65536; ++i) depth.at<float>(0, i) = float(i / kDepthUnitsPerMetre);
   EXPECT_TRUE(WriteDepthPng(file, depth, 1));
@@ -568,7 +571,6 @@ TEST(DepthFiles, WhatSixteenBitsHoldIsExact) {
   depth.at<float>(0, 7) = 20.0f;
   EXPECT_FALSE(WriteDepthPng(file, depth, 1));
   EXPECT_EQ(ReadDepthPng(file, "").at<float>(0, 7), 0.0f);
-  fs::remove(file);
 }
 
 }  // namespace

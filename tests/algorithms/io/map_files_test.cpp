@@ -3,27 +3,27 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <limits>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/image_file.h"
 #include "algorithms/io/landmark_map_file.h"
 #include "algorithms/io/occupancy_grid_file.h"
-#include "temporary_folder.h"
+#include "tests/algorithms/io/file_test.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
 
 using testing::HasSubstr;
 
-class MapFiles : public TemporaryFolder {
+class MapFiles : public FileTest {
  protected:
   std::string ErrorOf(const std::string& name, const std::string& text) {
-    std::ofstream(folder_ / name) << text;
+    const std::filesystem::path file = Write(name, text);
     try {
-      if (name.ends_with(".csv")) ReadLandmarkMap(folder_ / name);
-      if (name.ends_with(".yaml")) ReadOccupancyGrid(folder_ / name);
+      if (name.ends_with(".csv")) ReadLandmarkMap(file);
+      if (name.ends_with(".yaml")) ReadOccupancyGrid(file);
     } catch (const BadInput& e) {
       return e.what();
     }
@@ -105,11 +105,10 @@ TEST_F(MapFiles, AGridComesBackToItsEightBits) {
 // map_server: the origin is the lower left corner of the lower left pixel; occupied is black.
 TEST_F(MapFiles, AGridLiesAsMapServerReadsIt) {
   WriteOccupancyGrid(folder_ / "grid.yaml", SomeGrid());
-  std::ostringstream text;
-  text << std::ifstream(folder_ / "grid.yaml").rdbuf();
-  EXPECT_THAT(text.str(), HasSubstr("image: grid.png\nresolution: 0.05\n"));
+  const std::string text = ReadText(folder_ / "grid.yaml");
+  EXPECT_THAT(text, HasSubstr("image: grid.png\nresolution: 0.05\n"));
   double x = 0, y = 0;
-  ASSERT_EQ(std::sscanf(text.str().c_str() + text.str().find("origin: ["), "origin: [%lf, %lf", &x, &y), 2);
+  ASSERT_EQ(std::sscanf(text.c_str() + text.find("origin: ["), "origin: [%lf, %lf", &x, &y), 2);
   EXPECT_NEAR(x, -1.225, 1e-12);
   EXPECT_NEAR(y, 3.4 + 0.025 - 3 * 0.05, 1e-12);
   const cv::Mat image = ReadImage(folder_ / "grid.png", "");

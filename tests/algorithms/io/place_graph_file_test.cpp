@@ -4,15 +4,13 @@
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
 
-#include <fstream>
-
 #include "algorithms/core/errors.h"
-#include "temporary_folder.h"
+#include "tests/algorithms/io/file_test.h"
 
 namespace gaitcam {
 namespace {
 
-class GraphMl : public TemporaryFolder {};
+class GraphMl : public FileTest {};
 
 PlaceGraph SomeGraph() {
   PlaceGraph graph;
@@ -57,10 +55,8 @@ TEST_F(GraphMl, DeclaresEveryKeyThatItUses) {
 
 TEST_F(GraphMl, SaysWhereAFileIsWrong) {
   const auto error = [&](const std::string& text) -> std::string {
-    const std::filesystem::path file = folder_ / "bad.graphml";
-    std::ofstream(file) << text;
     try {
-      ReadPlaceGraph(file);
+      ReadPlaceGraph(Write("bad.graphml", text));
     } catch (const BadInput& bad) {
       return bad.what();
     }

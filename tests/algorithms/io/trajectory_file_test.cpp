@@ -4,7 +4,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
-#include "tests/algorithms/io/temporary_folder.h"
+#include "tests/algorithms/io/file_test.h"
 
 namespace gaitcam {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-class TrajectoryFiles : public TemporaryFolder {
+class TrajectoryFiles : public FileTest {
  protected:
   // Stamps like those of real recordings, which a double cannot hold in seconds to the nanosecond.
   static Trajectory SomeTrajectory() {

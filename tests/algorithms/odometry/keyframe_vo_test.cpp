@@ -45,8 +45,8 @@ std::vector<Composition> Compositions() {
         3;  // and those without sub-pixel positions leave the direction less certain
     all.back().options.initializer.start_parallax_deg = 1;  // ... so their first depths need more parallax
   }
-  for (const std::string estimator : {"ransac", "preemptive"}) {
-    all.push_back({estimator, Fast()});
+  for (const RobustEstimator estimator : {RobustEstimator::kRansac, RobustEstimator::kPreemptive}) {
+    all.push_back({std::string(ToWord(estimator)), Fast()});
     all.back().options.initializer.estimator = estimator;
   }
   all.push_back({"exact", Fast()});

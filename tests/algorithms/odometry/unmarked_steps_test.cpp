@@ -1,7 +1,6 @@
 #include <array>
 
 #include "algorithms/odometry/keyframe_vo.h"
-#include "algorithms/odometry/mobif_vo_plus.h"
 #include "tests/algorithms/odometry/odometry_trials.h"
 
 namespace gaitcam {
@@ -95,11 +94,10 @@ TEST_P(EveryOrdeal, MakesNoUnmarkedJump) {
   ExpectFoundAgain(ExpectNoUnmarkedJump(vo, ordeal()));
 }
 
-TEST_P(EveryOrdeal, MakesNoUnmarkedJumpInAMap) {
-  MobifVoPlusOptions options;
-  options.feature = "sift";
-  options.max_features = 400;
-  MobifVoPlus vo(OneCamera(), options, 1);
+TEST_P(EveryOrdeal, MakesNoUnmarkedJumpWithRotationsBeforeTheMap) {
+  KeyframeVoOptions options = KeyframeVoOptions::WithFeature("sift", 4);
+  options.rotation_before_map = true;
+  KeyframeVo vo(OneCamera(), options, 1);
   ExpectFoundAgain(ExpectNoUnmarkedJump(vo, ordeal()));
 }
 

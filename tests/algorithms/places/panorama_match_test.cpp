@@ -23,13 +23,13 @@ cv::Mat Turned(const cv::Mat& panorama, int right_px) {
 }
 
 /// As from a step aside: what lies to the left has come nearer to straight ahead, what lies to the right has gone away
-/// from it, by at most `most_px`.
-cv::Mat FromAside(const cv::Mat& panorama, double most_px) {
+/// from it, by at most `max_px`.
+cv::Mat FromAside(const cv::Mat& panorama, double max_px) {
   cv::Mat map_x(panorama.size(), CV_32FC1), map_y(panorama.size(), CV_32FC1), aside;
   for (int y = 0; y < panorama.rows; ++y) {
     for (int x = 0; x < panorama.cols; ++x) {
       const double azimuth = 2 * std::numbers::pi * x / panorama.cols;
-      map_x.at<float>(y, x) = float(x + most_px * std::sin(azimuth));
+      map_x.at<float>(y, x) = float(x + max_px * std::sin(azimuth));
       map_y.at<float>(y, x) = float(y);
     }
   }

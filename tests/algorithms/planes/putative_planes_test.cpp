@@ -36,7 +36,7 @@ cv::Mat WithNoise(const cv::Mat& image, double sigma_grey, uint64_t seed, double
   return result;
 }
 
-PutativePlaneOptions Only(const std::string& selector) {
+PutativePlaneOptions Only(RegionSelector selector) {
   PutativePlaneOptions options;
   options.selector = selector;
   return options;
@@ -69,7 +69,8 @@ cv::Mat PolygonPicture() {
 }
 
 TEST(PutativePlanes, AUniformRegionIsFoundWithABandAlongItsBoundary) {
-  const std::vector<PutativePlane> planes = FindPutativePlanes(WithNoise(PolygonPicture(), 3, 1), Only("boundary"));
+  const std::vector<PutativePlane> planes =
+      FindPutativePlanes(WithNoise(PolygonPicture(), 3, 1), Only(RegionSelector::kBoundary));
   ASSERT_EQ(planes.size(), 2U);  // the ground around it, and it
   EXPECT_EQ(planes[1].kind, PutativePlane::Kind::kBoundary);
   const cv::Mat truth = Filled(kPolygon);
@@ -89,7 +90,7 @@ TEST(PutativePlanes, AUniformRegionIsFoundWithABandAlongItsBoundary) {
 TEST(PutativePlanes, TheRimOfTheImageIsNoBoundary) {
   cv::Mat image = Flat(90);
   image(cv::Rect(0, 120, kWidth, kHeight - 120)) = 160;
-  const std::vector<PutativePlane> planes = FindPutativePlanes(image, Only("boundary"));
+  const std::vector<PutativePlane> planes = FindPutativePlanes(image, Only(RegionSelector::kBoundary));
   ASSERT_EQ(planes.size(), 2U);
   for (const PutativePlane& plane : planes) {
     EXPECT_EQ(cv::countNonZero(Pixels(plane).rowRange(0, 112)), 0);
@@ -102,7 +103,7 @@ TEST(PutativePlanes, AnOutlineWithASmallGapStillEncloses) {
   cv::Mat image = Flat(120);
   cv::polylines(image, kPolygon, true, cv::Scalar(30), 2);
   cv::line(image, {145, 50}, {147, 50}, cv::Scalar(120), 4);  // breaks the upper side
-  PutativePlaneOptions options = Only("boundary");
+  PutativePlaneOptions options = Only(RegionSelector::kBoundary);
   const auto finds_it = [&] {
     for (const PutativePlane& plane : FindPutativePlanes(image, options)) {
       if (IntersectionOverUnion(Enclosed(plane), Filled(kPolygon)) > 0.9) return true;
@@ -118,7 +119,7 @@ TEST(PutativePlanes, AnOutlineWithASmallGapStillEncloses) {
 TEST(PutativePlanes, SmallRegionsAreLeftOut) {
   cv::Mat image = Flat(90);
   cv::rectangle(image, cv::Rect(100, 100, 20, 20), cv::Scalar(200), cv::FILLED);
-  const std::vector<PutativePlane> planes = FindPutativePlanes(image, Only("boundary"));
+  const std::vector<PutativePlane> planes = FindPutativePlanes(image, Only(RegionSelector::kBoundary));
   ASSERT_EQ(planes.size(), 1U);  // the ground, whose boundary is that of the small one
   EXPECT_GT(planes[0].area_px, kWidth * kHeight - 500);
   EXPECT_GT(cv::countNonZero(Pixels(planes[0])(cv::Rect(90, 90, 40, 40))), 0);
@@ -129,7 +130,7 @@ TEST(PutativePlanes, TextureIsFoundWhereItIsAndNowhereElse) {
   for (const cv::Rect half : {cv::Rect(0, 0, 160, 240), cv::Rect(0, 120, 320, 120)}) {
     cv::Mat image = WithNoise(Flat(128), 3, 3);
     textured(half).copyTo(image(half));
-    const std::vector<PutativePlane> planes = FindPutativePlanes(image, Only("texture"));
+    const std::vector<PutativePlane> planes = FindPutativePlanes(image, Only(RegionSelector::kTexture));
     EXPECT_GE(planes.size(), 6U);  // blocks, each to be judged by itself
     const cv::Mat found = UnionOfPixels(planes, image.size());
     cv::Mat truth = cv::Mat::zeros(image.size(), CV_8UC1);
@@ -142,7 +143,7 @@ TEST(PutativePlanes, TextureIsFoundWhereItIsAndNowhereElse) {
 
 TEST(PutativePlanes, PartsOfATexturedRegionFitTheirBlocksAndDoNotOverlap) {
   const cv::Mat image = WithNoise(Flat(128), kCoarse_grey, 4, 2.0);
-  const PutativePlaneOptions options = Only("texture");
+  const PutativePlaneOptions options = Only(RegionSelector::kTexture);
   cv::Mat count = cv::Mat::zeros(image.size(), CV_8UC1);
   for (const PutativePlane& plane : FindPutativePlanes(image, options)) {
     EXPECT_EQ(plane.kind, PutativePlane::Kind::kTexture);
@@ -165,8 +166,8 @@ TEST(PutativePlanes, NoiseAloneGivesNothing) {
 }
 
 TEST(PutativePlanes, AStepOfLightIsABoundaryAndNoTexture) {
-  EXPECT_FALSE(FindPutativePlanes(PolygonPicture(), Only("boundary")).empty());
-  EXPECT_TRUE(FindPutativePlanes(PolygonPicture(), Only("texture")).empty());
+  EXPECT_FALSE(FindPutativePlanes(PolygonPicture(), Only(RegionSelector::kBoundary)).empty());
+  EXPECT_TRUE(FindPutativePlanes(PolygonPicture(), Only(RegionSelector::kTexture)).empty());
 }
 
 TEST(PutativePlanes, AreSortedAndTheSameEveryTime) {
@@ -206,7 +207,6 @@ TEST(PutativePlanes, BadInputIsNamed) {
   EXPECT_THAT(WhatIsSaid(cv::Mat(20, 320, CV_8UC1, cv::Scalar(0)), {}), HasSubstr("320 x 20"));
   EXPECT_THAT(WhatIsSaid(cv::Mat(), {}), HasSubstr("32 px"));
   EXPECT_THAT(WhatIsSaid(cv::Mat(240, 320, CV_32FC1, cv::Scalar(0)), {}), HasSubstr("8-bit"));
-  EXPECT_THAT(WhatIsSaid(Flat(128), Only("edges")), HasSubstr("selector"));
   PutativePlaneOptions options;
   options.canny_low = 90;
   EXPECT_THAT(WhatIsSaid(Flat(128), options), HasSubstr("canny_low"));

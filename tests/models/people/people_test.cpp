@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "models/code/people/person_shape.h"
 #include "models/code/people/person_walk.h"
 #include "models/code/scenes/scene.h"
 #include "tests/data_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -189,9 +189,10 @@ TEST(People, SurfacesAreClosedAndAsTallAsThePerson) {
 }
 
 std::string ErrorOf(const std::string& people) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "people_test.yaml";
-  std::ofstream(file) << "floor: {extent: [[-2, -1], [2, 1]], texture: {kind: carpet, size_m: [1, 1], px_per_m: 128}}\n"
-                      << "people: " << people << "\n";
+  const TemporaryFolder folder;
+  const std::string floor =
+      "floor: {extent: [[-2, -1], [2, 1]], texture: {kind: carpet, size_m: [1, 1], px_per_m: 128}}\n";
+  const std::filesystem::path file = folder.Write("people_test.yaml", floor + "people: " + people + "\n");
   try {
     ReadScene(file.string(), TestData() / "models");
   } catch (const BadInput& e) {

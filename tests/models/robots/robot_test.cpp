@@ -2,13 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <fstream>
 #include <numbers>
 
 #include "algorithms/core/errors.h"
 #include "tests/data_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -17,21 +16,13 @@ using testing::HasSubstr;
 
 const std::filesystem::path kModels = TestData() / "models";
 
-std::string ReadText(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
 /// A user's copy of khr1hv in a folder of its own, to be spoiled by one replacement.
 class UserRobot : public testing::Test {
  protected:
   UserRobot() {
-    folder_ = std::filesystem::temp_directory_path() / ("gaitcam_robot_test_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
     urdf_ = ReadText(kModels / "robots/khr1hv/khr1hv.urdf");
     yaml_ = ReadText(kModels / "robots/khr1hv/khr1hv.yaml");
   }
-  ~UserRobot() override { std::filesystem::remove_all(folder_); }
 
   static void Replace(std::string& text, const std::string& from, const std::string& to) {
     const size_t at = text.find(from);
@@ -45,9 +36,8 @@ class UserRobot : public testing::Test {
     text.erase(begin, end + to.size() - begin);
   }
   Robot Read() {
-    std::ofstream(folder_ / "khr1hv.urdf") << urdf_;
-    std::ofstream(folder_ / "mine.yaml") << yaml_;
-    return ReadRobot((folder_ / "mine.yaml").string(), kModels);
+    folder_.Write("khr1hv.urdf", urdf_);
+    return ReadRobot(folder_.Write("mine.yaml", yaml_).string(), kModels);
   }
   /// The error's text without the folder; it must be one line, and nothing may go to the console.
   std::string Error() {
@@ -62,12 +52,12 @@ class UserRobot : public testing::Test {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
     EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
     EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    for (size_t at; (at = text.find(folder_.string() + "/")) != std::string::npos;)
-      text.erase(at, folder_.string().size() + 1);
+    const std::string folder = folder_.path().string() + "/";
+    for (size_t at; (at = text.find(folder)) != std::string::npos;) text.erase(at, folder.size());
     return text;
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder folder_;
   std::string urdf_, yaml_;
 };
 
@@ -262,11 +252,10 @@ TEST_F(UserRobot, MissingMeshIsNamed) {
   EXPECT_THAT(Error(),
               HasSubstr("link \"trunk\": mesh \"package://mine/meshes/trunk.stl\" is not there; expected a file "
                         "meshes/trunk.stl"));
-  std::filesystem::create_directory(folder_ / "meshes");
-  std::ofstream(folder_ / "meshes/trunk.stl") << "solid";
-  EXPECT_EQ(Read().links[0].visuals[0].mesh, folder_ / "meshes/trunk.stl");
+  const std::filesystem::path mesh = folder_.Write("meshes/trunk.stl", "solid");
+  EXPECT_EQ(Read().links[0].visuals[0].mesh, mesh);
   Replace(urdf_, "trunk.stl", "trunk.dae");
-  std::ofstream(folder_ / "meshes/trunk.dae") << "<xml/>";
+  folder_.Write("meshes/trunk.dae", "<xml/>");
   EXPECT_THAT(Error(), HasSubstr("expected a file of type .stl or .obj"));
 }
 

@@ -5,30 +5,27 @@
 
 #include <cmath>
 #include <ctime>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "tests/data_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
 
 const std::filesystem::path kModels = TestData() / "models";
 
-std::filesystem::path WritePlace(const std::string& text) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "place_test.yaml";
-  std::ofstream(file) << text;
-  return file;
+/// What a file with `text` describes; the pictures that it names lie in `folder`.
+Scene SceneOfText(const std::string& text, const TemporaryFolder& folder = {}) {
+  return ReadScene(folder.Write("scene_test.yaml", text).string(), kModels);
 }
 
 /// A scene with a small floor and `more`.
-Scene SmallScene(const std::string& more) {
-  return ReadScene(
-      WritePlace("floor: {extent: [[-2, -1], [2, 1]], texture: {kind: carpet, size_m: [1, 1], px_per_m: 128}}\n" + more)
-          .string(),
-      kModels);
+Scene SmallScene(const std::string& more, const TemporaryFolder& folder = {}) {
+  return SceneOfText(
+      "floor: {extent: [[-2, -1], [2, 1]], texture: {kind: carpet, size_m: [1, 1], px_per_m: 128}}\n" + more, folder);
 }
 
 const SceneBox& FindBox(const Scene& scene, const std::string& name) {
@@ -40,10 +37,10 @@ const SceneBox& FindBox(const Scene& scene, const std::string& name) {
 
 std::string ErrorOf(const std::string& text) {
   try {
-    ReadScene(WritePlace(text).string(), kModels);
+    SceneOfText(text);
   } catch (const BadInput& e) {
     const std::string what = e.what();  // without the folder
-    return what.substr(std::min(what.size(), what.find("place_test.yaml")));
+    return what.substr(std::min(what.size(), what.find("scene_test.yaml")));
   }
   return "";
 }
@@ -72,13 +69,13 @@ class Obstacles {
   std::vector<std::pair<Pose, Eigen::Vector3d>> boxes_;
 };
 
-TEST(Scene, AllShippedPlacesAreListed) {
+TEST(Scene, AllShippedScenesAreListed) {
   EXPECT_THAT(ListScenes(kModels), testing::ElementsAre("corridor", "floor_trials", "hall", "lab", "plain",
                                                         "robocup_field", "tabletop", "twin_corridors"));
   EXPECT_TRUE(ListScenes("/no/such/folder").empty());
 }
 
-TEST(Scene, ShippedPlacesAreReadyWithinTwoSecondsOfOneCoreAndFitTheRenderer) {
+TEST(Scene, ShippedScenesAreReadyWithinTwoSecondsOfOneCoreAndFitTheRenderer) {
   for (const std::string& name : ListScenes(kModels)) {
     const std::clock_t before = std::clock();
     const Scene scene = ReadScene(name, kModels);
@@ -122,7 +119,7 @@ TEST(Scene, TheSeedChangesTexturesAndRandomPlaces) {
   EXPECT_GT((FindBox(a, "poster0").X_WB.translation - FindBox(b, "poster0").X_WB.translation).norm(), 0.01);
 }
 
-TEST(Scene, PathsOfTheShippedPlacesAreFree) {
+TEST(Scene, PathsOfTheShippedScenesAreFree) {
   constexpr double kReach = 0.25;  // half the width of the widest robot, and room to sway
   const Scene lab = ReadScene("lab", kModels);
   const Obstacles in_lab(lab);
@@ -271,15 +268,14 @@ TEST(Scene, TheFloorImageIsTheTextureAtItsOwnScale) {
 
 TEST(Scene, TheFloorImageShowsWhatLiesAtAPoint) {
   // A picture with one bright quadrant: right and up. Repeats of 1.5 m from (-2, -1).
-  const std::filesystem::path folder = testing::TempDir();
+  const TemporaryFolder folder;
   cv::Mat picture(60, 60, CV_8UC3, cv::Scalar(20, 20, 20));
   picture(cv::Rect(30, 0, 30, 30)).setTo(cv::Scalar(220, 220, 220));
-  cv::imwrite((folder / "quadrant.png").string(), picture);
-  const Scene scene =
-      ReadScene(WritePlace("floor: {extent: [[-2, -1], [2, 1]], texture: {kind: image, file: quadrant.png, "
-                           "size_m: [1.5, 1.5]}}\n")
-                    .string(),
-                kModels);
+  cv::imwrite((folder.path() / "quadrant.png").string(), picture);
+  const Scene scene = SceneOfText(
+      "floor: {extent: [[-2, -1], [2, 1]], texture: {kind: image, file: quadrant.png, "
+      "size_m: [1.5, 1.5]}}\n",
+      folder);
   for (const double scale : {20.0, 40.0, 173.0, 400.0}) {
     const cv::Mat floor = FloorImage(scene, scale);
     ASSERT_EQ(floor.size(), cv::Size(int(std::lround(4 * scale)), int(std::lround(2 * scale))));
@@ -306,17 +302,18 @@ TEST(Scene, ACoarseFloorImageIsAMean) {
 
 TEST(Scene, TheFloorImageShowsThePrintsThatLieOnIt) {
   // A picture with one bright quadrant, right and up, turned by a quarter: up becomes -x, right becomes +y.
-  const std::filesystem::path folder = testing::TempDir();
+  const TemporaryFolder folder;
   cv::Mat picture(60, 60, CV_8UC3, cv::Scalar(20, 20, 20));
   picture(cv::Rect(30, 0, 30, 30)).setTo(cv::Scalar(220, 220, 220));
-  cv::imwrite((folder / "quadrant.png").string(), picture);
+  cv::imwrite((folder.path() / "quadrant.png").string(), picture);
   const Scene scene = SmallScene(
       "textures: {quadrant: {kind: image, file: quadrant.png}}\n"
       "posters: [{at: [0.5, 0.25, 0], lies: true, facing_deg: 180, size: [0.4, 0.6], thickness_m: 0.001, texture: "
       "quadrant}]\n"
       "boxes:\n"
       "  - {at: [-1, 0, 0.001], size: [0.2, 1, 0.002], yaw_deg: 90, rgb: [1, 0, 0], collides: false}\n"
-      "  - {at: [-1, -0.8, 0.1], size: [0.2, 0.2, 0.2], rgb: [0, 1, 0]}\n");
+      "  - {at: [-1, -0.8, 0.1], size: [0.2, 0.2, 0.2], rgb: [0, 1, 0]}\n",
+      folder);
   const Scene bare = SmallScene("");
   for (const double scale : {50.0, 128.0, 400.0}) {
     const cv::Mat floor = FloorImage(scene, scale), without = FloorImage(bare, scale);
@@ -340,36 +337,36 @@ TEST(Scene, TheFloorImageShowsThePrintsThatLieOnIt) {
 
 TEST(Scene, ErrorsPointIntoTheFile) {
   const std::string floor = "floor: {texture: {kind: carpet, px_per_m: 32}}\n";
-  EXPECT_EQ(ErrorOf(floor + "wals: []\n"), "place_test.yaml:2:1: wals: unknown key; did you mean walls?");
-  EXPECT_EQ(ErrorOf("seed: 1\n"), "place_test.yaml:1:1: texture: missing; a floor needs one");
+  EXPECT_EQ(ErrorOf(floor + "wals: []\n"), "scene_test.yaml:2:1: wals: unknown key; did you mean walls?");
+  EXPECT_EQ(ErrorOf("seed: 1\n"), "scene_test.yaml:1:1: texture: missing; a floor needs one");
   EXPECT_EQ(ErrorOf("floor: {texture: carpt}\n"),
-            "place_test.yaml:1:18: floor.texture: \"carpt\" is no texture; did you mean carpet?");
+            "scene_test.yaml:1:18: floor.texture: \"carpt\" is no texture; did you mean carpet?");
   EXPECT_THAT(
       ErrorOf("floor: {texture: {kind: carpt}}\n"),
-      testing::StartsWith("place_test.yaml:1:25: floor.texture.kind: \"carpt\" is not permitted; expected one of"));
+      testing::StartsWith("scene_test.yaml:1:25: floor.texture.kind: \"carpt\" is not permitted; expected one of"));
   EXPECT_EQ(ErrorOf("floor: {extent: [[1, 0], [0, 1]], texture: carpet}\n"),
-            "place_test.yaml:1:17: floor.extent: expected [[min x, min y], [max x, max y]] with max above min");
+            "scene_test.yaml:1:17: floor.extent: expected [[min x, min y], [max x, max y]] with max above min");
   EXPECT_EQ(ErrorOf(floor + "boxes:\n  - {size: [1, 0, 1]}\n"),
-            "place_test.yaml:3:12: boxes[0].size: expected lengths above 0");
+            "scene_test.yaml:3:12: boxes[0].size: expected lengths above 0");
   EXPECT_EQ(ErrorOf(floor + "boxes:\n  - {rgb: [1, 0, 2]}\n"),
-            "place_test.yaml:3:11: boxes[0].rgb: expected three numbers from 0 to 1");
+            "scene_test.yaml:3:11: boxes[0].rgb: expected three numbers from 0 to 1");
   EXPECT_THAT(ErrorOf(floor + "furniture: [{kind: tabel}]\n"),
-              testing::HasSubstr("place_test.yaml:2:20: furniture[0].kind: \"tabel\" is not permitted"));
+              testing::HasSubstr("scene_test.yaml:2:20: furniture[0].kind: \"tabel\" is not permitted"));
   EXPECT_EQ(ErrorOf(floor + "posters: [{at: [0, 0, 1]}]\n"),
-            "place_test.yaml:2:11: posters[0]: texture: missing; a poster needs one");
+            "scene_test.yaml:2:11: posters[0]: texture: missing; a poster needs one");
   EXPECT_EQ(ErrorOf(floor + "walls: [{points: [[0, 0]]}]\n"),
-            "place_test.yaml:2:9: walls[0]: points: expected at least two corners");
+            "scene_test.yaml:2:9: walls[0]: points: expected at least two corners");
   EXPECT_EQ(ErrorOf(floor + "walls: [{points: [[0, 0], [0, 0]]}]\n"),
-            "place_test.yaml:2:18: walls[0].points: two successive corners are the same");
+            "scene_test.yaml:2:18: walls[0].points: two successive corners are the same");
   EXPECT_THAT(ErrorOf(floor + "walls: [{points: [[0, 0], [1, 0]], posters: {count: 50}}]\n"),
               testing::HasSubstr("posters; expected fewer or smaller ones"));
   EXPECT_EQ(ErrorOf(floor + "lights: [{direction: [0, 0, 0]}]\n"),
-            "place_test.yaml:2:10: lights[0]: direction: expected a vector of length above 0");
+            "scene_test.yaml:2:10: lights[0]: direction: expected a vector of length above 0");
   EXPECT_THAT(ErrorOf(floor + "textures: {a: {kind: image, file: none.png}}\nboxes: [{texture: a}]\n"),
-              testing::AllOf(testing::StartsWith("place_test.yaml:3:19: boxes[0].texture: file: "),
+              testing::AllOf(testing::StartsWith("scene_test.yaml:3:19: boxes[0].texture: file: "),
                              testing::HasSubstr("none.png: no such picture file")));
   EXPECT_THAT(ErrorOf("floor: {texture: {kind: carpet, size_m: [100, 100], px_per_m: 1000}}\n"),
-              testing::StartsWith("place_test.yaml:1:18: floor.texture: px_per_m: 1000 gives 10000 million pixels"));
+              testing::StartsWith("scene_test.yaml:1:18: floor.texture: px_per_m: 1000 gives 10000 million pixels"));
 }
 
 TEST(Scene, MoreTexturesThanTheRendererCanDrawAreRefused) {

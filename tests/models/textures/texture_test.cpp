@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <numeric>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "algorithms/core/pose.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -254,14 +254,14 @@ TEST(Texture, TheFieldsLinesLieWhereTheRulesSay) {
 }
 
 TEST(Texture, AUsersPictureIsShownAsItIs) {
-  const std::filesystem::path folder = testing::TempDir();
+  const TemporaryFolder folder;
   cv::Mat picture(20, 30, CV_8UC3, cv::Scalar(10, 20, 30));
   picture.at<cv::Vec3b>(3, 4) = {200, 100, 50};
-  cv::imwrite((folder / "texture_test.png").string(), picture);
+  cv::imwrite((folder.path() / "texture_test.png").string(), picture);
   TextureOptions options;
   options.kind = "image";
   options.file = "texture_test.png";
-  EXPECT_TRUE(SameBits(MakeTexture(CompleteTexture(options), folder), picture));
+  EXPECT_TRUE(SameBits(MakeTexture(CompleteTexture(options), folder.path()), picture));
 }
 
 std::string ErrorOf(const TextureOptions& options, const std::filesystem::path& folder = {}) {
@@ -292,9 +292,8 @@ TEST(Texture, WhatCannotBeMadeIsNamed) {
   options.file = "no_such_picture.png";
   EXPECT_THAT(ErrorOf(options, "/somewhere"),
               testing::HasSubstr("/somewhere/no_such_picture.png: no such picture file"));
-  const std::filesystem::path text = std::filesystem::path(testing::TempDir()) / "texture_test.txt";
-  std::ofstream(text) << "not a picture";
-  options.file = text.string();
+  const TemporaryFolder folder;
+  options.file = folder.Write("texture_test.txt", "not a picture").string();
   EXPECT_THAT(ErrorOf(options), testing::HasSubstr("not a picture that can be read"));
 }
 

@@ -3,41 +3,17 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string>
+
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 
 namespace fs = std::filesystem;
-
-/// A folder that goes with the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "gaitcam_report_XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-inline std::string ReadAll(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 struct Browsed {
   std::string dom, complaints;
@@ -52,9 +28,9 @@ inline Browsed Browse(const fs::path& page, const std::string& more = "") {
       "--disable-background-networking --disable-component-update --disable-sync --user-data-dir='" +
       profile.path().string() + "/profile' --enable-logging=stderr --virtual-time-budget=2000 --dump-dom " + more +
       " 'file://" + page.string() + "' >'" + dom + "' 2>'" + log + "'";
-  EXPECT_EQ(std::system(command.c_str()), 0) << ReadAll(log);
-  Browsed result{ReadAll(dom), ""};
-  std::istringstream lines(ReadAll(log));
+  EXPECT_EQ(std::system(command.c_str()), 0) << ReadText(log);
+  Browsed result{ReadText(dom), ""};
+  std::istringstream lines(ReadText(log));
   for (std::string line; std::getline(lines, line);) {
     if (line.find("CONSOLE") != std::string::npos) result.complaints += line + "\n";
   }

@@ -4,7 +4,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -17,6 +16,7 @@
 #include "results/reports/video.h"
 #include "tests/results/reports/browser.h"
 #include "tests/results/scoring/synthetic.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "tests/results/reports/browser.h"
 #include "tests/results/study_table_made_up.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {

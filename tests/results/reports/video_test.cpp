@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <opencv2/videoio.hpp>
 
 #include "algorithms/core/errors.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -16,17 +16,11 @@ namespace fs = std::filesystem;
 
 class Video : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "gaitcam_video_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   size_t FilesInFolder() const {
-    return size_t(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+    return size_t(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
   }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 /// Camera blue, bystander red; brightness tells the frame.
@@ -41,7 +35,7 @@ VideoFrame Frame(int index) {
 }
 
 TEST_F(Video, ReadsBackAsItWasWritten) {
-  const fs::path path = folder_ / "walk.mp4";
+  const fs::path path = folder_.path() / "walk.mp4";
   VideoWriter writer(path, {.frame_rate_hz = 25, .height_px = 180});
   for (int i = 0; i < 20; ++i) writer.Add(Frame(i));
   writer.Finish();
@@ -66,7 +60,7 @@ TEST_F(Video, ReadsBackAsItWasWritten) {
 }
 
 TEST_F(Video, HasNoFileUntilItIsFinished) {
-  const fs::path path = folder_ / "walk.mp4";
+  const fs::path path = folder_.path() / "walk.mp4";
   {
     VideoWriter writer(path);
     writer.Add(Frame(0));
@@ -76,13 +70,13 @@ TEST_F(Video, HasNoFileUntilItIsFinished) {
 }
 
 TEST_F(Video, WithoutFramesIsNoFileAndNoError) {
-  VideoWriter writer(folder_ / "walk.mp4");
+  VideoWriter writer(folder_.path() / "walk.mp4");
   EXPECT_NO_THROW(writer.Finish());
   EXPECT_EQ(FilesInFolder(), 0u);
 }
 
 TEST_F(Video, AFolderThatIsNotThereIsAMissingResource) {
-  VideoWriter writer(folder_ / "nowhere" / "walk.mp4");
+  VideoWriter writer(folder_.path() / "nowhere" / "walk.mp4");
   try {
     writer.Add(Frame(0));
     FAIL();
@@ -92,8 +86,8 @@ TEST_F(Video, AFolderThatIsNotThereIsAMissingResource) {
 }
 
 TEST_F(Video, OptionsOutOfRangeAreRefused) {
-  EXPECT_THROW(VideoWriter(folder_ / "a.mp4", {.frame_rate_hz = 0}), BadInput);
-  EXPECT_THROW(VideoWriter(folder_ / "a.mp4", {.height_px = 10}), BadInput);
+  EXPECT_THROW(VideoWriter(folder_.path() / "a.mp4", {.frame_rate_hz = 0}), BadInput);
+  EXPECT_THROW(VideoWriter(folder_.path() / "a.mp4", {.height_px = 10}), BadInput);
 }
 
 TEST(VideoFrame, ViewsStandSideBySideAboveTheCaption) {

@@ -5,10 +5,10 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "algorithms/core/errors.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -32,10 +32,7 @@ Baseline Example() {
 
 class BaselineTest : public testing::Test {
  protected:
-  BaselineTest() : file_(std::filesystem::path(testing::TempDir()) / "gaitcam_baseline_test.json") {}
-  ~BaselineTest() override { std::filesystem::remove(file_); }
-
-  void Write(const std::string& text) const { std::ofstream(file_, std::ios::binary) << text; }
+  void Write(const std::string& text) const { folder_.Write("baseline.json", text); }
   std::string Refusal(const std::string& text) const {
     Write(text);
     try {
@@ -46,7 +43,8 @@ class BaselineTest : public testing::Test {
     return "was read";
   }
 
-  const std::filesystem::path file_;
+  const TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_.path() / "baseline.json";
 };
 
 TEST_F(BaselineTest, ComesBackToTheBit) {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {

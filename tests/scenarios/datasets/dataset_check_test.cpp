@@ -12,8 +12,8 @@
 #include "scenarios/code/datasets/frame_pairs.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
 #include "tests/scenarios/tiny_walk.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -61,7 +61,7 @@ void SetField(const fs::path& file, size_t line, size_t field, const std::string
 }
 
 void Replace(const fs::path& file, const std::string& from, const std::string& to) {
-  std::string text = ReadAll(file);
+  std::string text = ReadText(file);
   const size_t at = text.find(from);
   ASSERT_NE(at, std::string::npos) << file << " has no " << from;
   std::ofstream(file, std::ios::binary) << text.replace(at, from.size(), to);

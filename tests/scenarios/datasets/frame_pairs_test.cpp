@@ -7,8 +7,8 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/image_file.h"
 #include "algorithms/io/text_table.h"
-#include "tests/scenarios/temporary_folder.h"
 #include "tests/scenarios/tiny_walk.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {

@@ -14,8 +14,8 @@
 #include <thread>
 
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
 #include "tests/scenarios/tiny_walk.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -76,7 +76,7 @@ TEST_F(RecordMatrixTest, AMatrixBecomesADataSet) {
   ExpectWhole("data");
   ExpectNothingHalf("data");
   EXPECT_FALSE(fs::exists(File("data/.work")));
-  const std::string index = ReadAll(File("data/index.csv")), card = ReadAll(File("data/README.md"));
+  const std::string index = ReadText(File("data/index.csv")), card = ReadText(File("data/README.md"));
   EXPECT_EQ(std::count(index.begin(), index.end(), '\n'), 5);
   EXPECT_THAT(index, HasSubstr("\nbrisk-exposure_ms10-seed1,brisk,10,1,8,0.800,"));
   EXPECT_THAT(index,

@@ -9,7 +9,7 @@
 #include "scenarios/code/experiments/photographs.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -85,13 +85,13 @@ TEST_F(ExperimentProgramTest, ATableNamesTheCommandThatMakesItAgain) {
   const ProgramResult first = Run("features shifted --detector sift --seed 3 --out first/table.md -j 2");
   ASSERT_EQ(first.exit_code, 0) << first.err;
   for (const char* name : {"table.md", "table.json", "table.png"}) EXPECT_TRUE(fs::exists(File("first") / name));
-  const std::string table = ReadAll(File("first/table.md"));
+  const std::string table = ReadText(File("first/table.md"));
   EXPECT_THAT(first.out, HasSubstr(table));
   std::smatch made_by;
   ASSERT_TRUE(std::regex_search(table, made_by, std::regex("Made by `gaitcam experiment ([^`]*)`")));
   EXPECT_EQ(made_by[1], "features shifted --detector sift --seed 3 --out first/table.md");
   ASSERT_EQ(Run(made_by[1].str() + " -q").exit_code, 0);
-  EXPECT_EQ(ReadAll(File("first/table.md")), table);
+  EXPECT_EQ(ReadText(File("first/table.md")), table);
 }
 
 TEST(ExperimentCommand, NamesWhatDiffersFromTheDefaultsAndNoUsersFolder) {

@@ -12,7 +12,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
 #include "scenarios/code/experiments/feature_table.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {

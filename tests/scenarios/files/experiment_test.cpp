@@ -9,7 +9,7 @@
 
 #include "algorithms/core/errors.h"
 #include "models/code/yaml/yaml_reader.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {

@@ -12,7 +12,7 @@
 #include "scenarios/code/files/scenario.h"
 #include "sim/camera/camera_rig.h"
 #include "tests/data_folder.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {

@@ -10,7 +10,7 @@
 #include "scenarios/code/runs/runner.h"
 #include "scenarios/code/runs/tracked_system.h"
 #include "tests/data_folder.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {

@@ -9,7 +9,7 @@
 #include "algorithms/core/errors.h"
 #include "scenarios/code/jobs/suite.h"
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -39,7 +39,7 @@ class CheckTest : public testing::Test {
   void Write(const std::string& name, const std::string& text) const { std::ofstream(folder() / name) << text; }
   /// A copy of the suite with one piece of its text replaced.
   void Replace(const std::string& old_text, const std::string& new_text, const std::string& name = "suite.yaml") const {
-    std::string text = ReadAll(folder() / name);
+    std::string text = ReadText(folder() / name);
     ASSERT_NE(text.find(old_text), std::string::npos) << old_text;
     Write(name, text.replace(text.find(old_text), old_text.size(), new_text));
   }
@@ -73,7 +73,7 @@ TEST_F(CheckTest, AcceptsPassesCatchesAndRefuses) {
   const ProgramResult update = Check("--update");
   ASSERT_EQ(update.exit_code, 0) << update.err;
   ASSERT_TRUE(fs::exists(baseline()));
-  const std::string accepted = ReadAll(baseline());
+  const std::string accepted = ReadText(baseline());
 
   // The same program passes, reusing its runs, and says so in every format.
   const ProgramResult same =
@@ -81,25 +81,25 @@ TEST_F(CheckTest, AcceptsPassesCatchesAndRefuses) {
   EXPECT_EQ(same.exit_code, 0) << same.out;
   EXPECT_THAT(same.out, AllOf(HasSubstr("suite: pass: 7 runs (7 reused)"), HasSubstr("coverage_ratio"),
                               HasSubstr("ate_rmse_m"), Not(HasSubstr("REGRESSION"))));
-  EXPECT_THAT(ReadAll(folder() / "check.xml"), HasSubstr("tests=\"3\" failures=\"0\" errors=\"0\" skipped=\"0\""));
-  EXPECT_THAT(ReadAll(folder() / "check.md"), HasSubstr("## gaitcam check suite: pass"));
-  EXPECT_EQ(ReadAll(baseline()), accepted) << "a check never writes the baseline";
+  EXPECT_THAT(ReadText(folder() / "check.xml"), HasSubstr("tests=\"3\" failures=\"0\" errors=\"0\" skipped=\"0\""));
+  EXPECT_THAT(ReadText(folder() / "check.md"), HasSubstr("## gaitcam check suite: pass"));
+  EXPECT_EQ(ReadText(baseline()), accepted) << "a check never writes the baseline";
 
   // GitHub's page is appended to.
   Write("summary.md", "before\n");
   EXPECT_EQ(Check("--json", "GITHUB_STEP_SUMMARY=summary.md").exit_code, 0);
-  EXPECT_THAT(ReadAll(folder() / "summary.md"),
+  EXPECT_THAT(ReadText(folder() / "summary.md"),
               AllOf(testing::StartsWith("before\n"), HasSubstr("## gaitcam check suite: pass")));
 
   // Writing the same baseline again changes nothing.
   EXPECT_EQ(Check("--update").exit_code, 0);
-  EXPECT_EQ(ReadAll(baseline()), accepted);
+  EXPECT_EQ(ReadText(baseline()), accepted);
 
   // The frames are the same, the poses are not: the baseline of the good system is given to the bad one.
   Write("suite.yaml", std::string(kSuite) + "self_test:\n  - {name: noise, set: {handicap.pose_noise_deg: 2}}\n");
   const ProgramResult caught = Check("--self-test --reruns 2 --record rates.md");
   EXPECT_EQ(caught.exit_code, 0) << caught.out << caught.err;
-  EXPECT_THAT(ReadAll(folder() / "rates.md"),
+  EXPECT_THAT(ReadText(folder() / "rates.md"),
               AllOf(HasSubstr("caught 1 of 1 worse systems"), HasSubstr("in 2 re-runs"), HasSubstr("noise")));
   Write("suite.yaml", std::string(kSuite) + "self_test:\n  - {name: nothing, set: {handicap.pose_noise_deg: 0}}\n");
   const ProgramResult missed = RunProgram("check ./suite.yaml --cache cache --self-test 2>/dev/null", folder());
@@ -118,7 +118,7 @@ TEST_F(CheckTest, AcceptsPassesCatchesAndRefuses) {
   const ProgramResult worse = Check("--baseline better.json --junit worse.xml");
   EXPECT_EQ(worse.exit_code, 1);
   EXPECT_THAT(worse.err, HasSubstr("REGRESSION: rpe_rot_rmse_deg_1f of mobif_vo_plus on step"));
-  EXPECT_THAT(ReadAll(folder() / "worse.xml"), HasSubstr("failures=\"1\""));
+  EXPECT_THAT(ReadText(folder() / "worse.xml"), HasSubstr("failures=\"1\""));
 
   // Another scenario: exit 2, and which key it is.
   Replace("exposure_ms: 4", "exposure_ms: 5", "walk.yaml");

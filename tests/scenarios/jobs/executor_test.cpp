@@ -9,7 +9,7 @@
 
 #include "algorithms/core/errors.h"
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -72,7 +72,7 @@ TEST_F(ExecutorTest, ARunFromTheCacheEqualsARunFromTheSimulation) {
   const ProgramResult result = RunProgram("run s.yaml --out direct -q", temporary_.path());
   ASSERT_THAT(result.exit_code, testing::AnyOf(0, 3)) << result.err;
   for (const char* name : {"estimate.txt", "truth.txt"}) {
-    EXPECT_EQ(ReadAll(options_.runs / item.hash / name), ReadAll(temporary_.path() / "direct" / name)) << name;
+    EXPECT_EQ(ReadText(options_.runs / item.hash / name), ReadText(temporary_.path() / "direct" / name)) << name;
   }
 }
 

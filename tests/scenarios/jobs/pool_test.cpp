@@ -10,7 +10,7 @@
 
 #include "algorithms/core/errors.h"
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -49,7 +49,7 @@ TEST_F(PoolTest, StartsInOrderNeverMoreThanAllowedAndKeepsEachLog) {
   EXPECT_EQ(at_once_, 2U);
   for (const PoolTask& task : tasks) {
     EXPECT_EQ(ends_.at(task.name).kind, Kind::kDone);
-    EXPECT_EQ(ReadAll(task.log), "I am " + task.name + "\n");
+    EXPECT_EQ(ReadText(task.log), "I am " + task.name + "\n");
   }
 }
 
@@ -85,7 +85,7 @@ TEST_F(PoolTest, AnInterruptKillsWhatRunsAndStartsNothingElse) {
   EXPECT_FALSE(RunPool({first, Shell("second", "true")}, options_));
   EXPECT_THAT(started_, ElementsAre("first"));
   EXPECT_EQ(ends_.at("first").kind, Kind::kKilled);
-  EXPECT_EQ(ReadAll(first.log), "");
+  EXPECT_EQ(ReadText(first.log), "");
 }
 
 // The first task of a resource makes it; if it fails, the next one tries; the others run beside each other.

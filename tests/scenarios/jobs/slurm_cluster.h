@@ -14,7 +14,7 @@
 
 #include "scenarios/code/runs/subprocess.h"
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 

@@ -58,7 +58,7 @@ TEST_F(SlurmTest, AJobArrayGivesTheTableThatThisMachineGives) {
   EXPECT_THAT(cluster_->Ask("scontrol --oneliner show jobs"), HasSubstr("ArrayTaskId=3"));
   EXPECT_THAT(cluster_->Ask("scontrol --oneliner show jobs"), HasSubstr("JobName=gaitcam-study"));
   ASSERT_EQ(RunProgram("study study.yaml --cache other --out here -q", temporary_.path()).exit_code, 0);
-  EXPECT_EQ(ReadAll(Path("out/runs.csv")), ReadAll(Path("here/runs.csv")));
+  EXPECT_EQ(ReadText(Path("out/runs.csv")), ReadText(Path("here/runs.csv")));
   const ProgramResult again = Study("--out out --json");
   EXPECT_EQ(nlohmann::json::parse(again.out).at("reused"), 4);
 }
@@ -73,9 +73,9 @@ TEST_F(SlurmTest, TasksThatSlurmEndsAreFailuresWithItsReason) {
   EXPECT_EQ(result.exit_code, 3) << result.err;
   EXPECT_THAT(result.err, HasSubstr("4 of 4 runs failed: "));
   EXPECT_THAT(result.err, HasSubstr("CANCELLED"));
-  EXPECT_THAT(ReadAll(Path("out/runs.csv")), HasSubstr(",failed,"));
+  EXPECT_THAT(ReadText(Path("out/runs.csv")), HasSubstr(",failed,"));
   EXPECT_EQ(Study("--out out -q").exit_code, 0);  // the same command does what is missing
-  EXPECT_THAT(ReadAll(Path("out/runs.csv")), Not(HasSubstr(",failed,")));
+  EXPECT_THAT(ReadText(Path("out/runs.csv")), Not(HasSubstr(",failed,")));
 }
 
 TEST_F(SlurmTest, CtrlCCancelsTheJob) {
@@ -99,7 +99,7 @@ TEST_F(SlurmTest, AKilledStudyFindsItsJobAgain) {
                      Path("said"));
     number = JobNumber();
   }  // SIGKILL
-  ASSERT_THAT(Queue(), HasSubstr(number + "_3 PENDING")) << ReadAll(Path("said"));
+  ASSERT_THAT(Queue(), HasSubstr(number + "_3 PENDING")) << ReadText(Path("said"));
   cluster_->Ask("scontrol release " + number);
   const ProgramResult result = Study("--out out");
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -10,7 +10,7 @@
 #include "algorithms/core/random.h"
 #include "scenarios/code/runs/subprocess.h"
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -60,23 +60,23 @@ TEST_F(StudyTest, WritesATidyTablePerRunAndWhatItMeans) {
   EXPECT_EQ(json.at("conditions"), 4);
   EXPECT_EQ(json.at("reused"), 0);
   EXPECT_EQ(json.at("effects").size(), 8);  // exposure overall and within two systems, the system: four of two scores
-  const std::string runs = ReadAll(Path("out/runs.csv"));
+  const std::string runs = ReadText(Path("out/runs.csv"));
   EXPECT_THAT(runs, testing::StartsWith("camera.exposure_ms,system,seed,hash,status,failure,blur_median_px,frames,"));
   EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 5);
   EXPECT_THAT(runs, HasSubstr("\n4,akaze_vo,3,"));
   for (const char* name : {"summary.csv", "effects.csv", "timings.csv", "report.html", "study.yaml"})
-    EXPECT_GT(ReadAll(Path("out") / name).size(), 50u) << name;
+    EXPECT_GT(ReadText(Path("out") / name).size(), 50u) << name;
 
   const ProgramResult again = Study("study.yaml --out out --json");
   EXPECT_EQ(nlohmann::json::parse(again.out).at("reused"), 4);
-  EXPECT_EQ(ReadAll(Path("out/runs.csv")), runs);
+  EXPECT_EQ(ReadText(Path("out/runs.csv")), runs);
 }
 
 /// All processes whose command line has a word that begins with `folder`.
 int ProcessesAt(const fs::path& folder) {
   int count = 0;
   for (const auto& entry : fs::directory_iterator("/proc")) {
-    const std::string words = ReadAll(entry.path() / "cmdline");
+    const std::string words = ReadText(entry.path() / "cmdline");
     count += words.find(folder.string()) != std::string::npos ? 1 : 0;
   }
   return count;
@@ -87,13 +87,13 @@ void ExpectOnlyWholeResults(const fs::path& out) {
   if (!fs::exists(out / "runs")) return;
   for (const auto& entry : fs::directory_iterator(out / "runs")) {
     if (entry.path().filename().string().size() != 64) continue;
-    EXPECT_TRUE(nlohmann::json::accept(ReadAll(entry.path() / "job.json"))) << entry.path();
+    EXPECT_TRUE(nlohmann::json::accept(ReadText(entry.path() / "job.json"))) << entry.path();
   }
 }
 
 TEST_F(StudyTest, FiftyKillsLoseNothingButTheRunsInFlight) {
   ASSERT_EQ(RunProgram("study study.yaml --out reference --cache other -q", temporary_.path()).exit_code, 0);
-  const std::string reference = ReadAll(Path("reference/runs.csv"));
+  const std::string reference = ReadText(Path("reference/runs.csv"));
   setenv("GAITCAM_DATA", TestData().c_str(), 1);
   RandomStream random(5, "kills");
   int kills = 0, completed = 0;
@@ -104,7 +104,7 @@ TEST_F(StudyTest, FiftyKillsLoseNothingButTheRunsInFlight) {
                         Path("cache").string(), "-q"},
                        Path("said"));
       if (const std::optional<Ending> ending = study.Wait(seconds)) {
-        ASSERT_EQ(ending->code, 0) << ReadAll(Path("said"));
+        ASSERT_EQ(ending->code, 0) << ReadText(Path("said"));
         ++completed;
       } else {
         ++kills;
@@ -112,7 +112,7 @@ TEST_F(StudyTest, FiftyKillsLoseNothingButTheRunsInFlight) {
     }  // SIGKILL
     ExpectOnlyWholeResults(Path("out"));
     if (!fs::exists(Path("out/runs.csv"))) continue;
-    EXPECT_EQ(ReadAll(Path("out/runs.csv")), reference);
+    EXPECT_EQ(ReadText(Path("out/runs.csv")), reference);
     fs::remove_all(Path("out"));  // begin anew; every other time with the films still to be recorded
     if (completed % 2 == 0) fs::remove_all(Path("cache"));
   }
@@ -121,7 +121,7 @@ TEST_F(StudyTest, FiftyKillsLoseNothingButTheRunsInFlight) {
   EXPECT_EQ(ProcessesAt(Path("out")), 0) << "a run has outlived its study";
   const ProgramResult last = Study("study.yaml --out out");
   EXPECT_EQ(last.exit_code, 0) << last.err;
-  EXPECT_EQ(ReadAll(Path("out/runs.csv")), reference);
+  EXPECT_EQ(ReadText(Path("out/runs.csv")), reference);
   for (const auto& entry : fs::directory_iterator(Path("out")))
     EXPECT_NE(entry.path().filename().string().front(), '.') << "left behind: " << entry.path();
   RecordProperty("completed_before_the_last", completed);

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -72,7 +72,7 @@ class ExternalSystemTest : public testing::Test {
     return RunProgram("run s.yaml --out run", temporary_.path());
   }
   fs::path File(const std::string& name) const { return temporary_.path() / name; }
-  nlohmann::json Scores() const { return nlohmann::json::parse(ReadAll(File("run") / "scores.json")); }
+  nlohmann::json Scores() const { return nlohmann::json::parse(ReadText(File("run") / "scores.json")); }
 
   const TemporaryFolder temporary_;
 };
@@ -83,7 +83,7 @@ TEST_F(ExternalSystemTest, SeesADatasetWithoutAnyTruthAndItsWordsAreKept) {
       "ls -R \"$1/..\"\n"
       "grep -v '^#' \"$1/rgb.txt\" | awk '{print $1, NR, 0, 0, 0, 0, 0, 1}' > \"$2\"");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const std::string said = ReadAll(File("run") / "system.log");
+  const std::string said = ReadText(File("run") / "system.log");
   EXPECT_THAT(said, HasSubstr("rgb.txt"));
   EXPECT_THAT(said, testing::Not(HasSubstr("truth")));
   EXPECT_EQ(Scores()["scores"]["coverage_ratio"], 1);
@@ -109,9 +109,9 @@ TEST_F(ExternalSystemTest, WhatDoesNotEndIsKilledWithItsChildren) {
   const ProgramResult result = RunWith("sleep 1000 & echo $! > " + pid_file + "; wait", ", time_limit_s: 0.5");
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.err, HasSubstr("did not end within 0.5 s"));
-  const std::string pid = ReadAll(pid_file).substr(0, ReadAll(pid_file).find('\n'));
+  const std::string pid = ReadText(pid_file).substr(0, ReadText(pid_file).find('\n'));
   ASSERT_FALSE(pid.empty());
-  const std::string state = ReadAll("/proc/" + pid + "/stat");
+  const std::string state = ReadText("/proc/" + pid + "/stat");
   EXPECT_TRUE(state.empty() || state.find(") Z") != std::string::npos) << "still there: " << state;
 }
 

@@ -12,7 +12,7 @@
 #include <regex>
 
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -119,7 +119,7 @@ class InterruptTest : public testing::Test {
 };
 
 int Lines(const fs::path& file) {
-  const std::string text = ReadAll(file);
+  const std::string text = ReadText(file);
   return int(std::count(text.begin(), text.end(), '\n'));
 }
 
@@ -127,7 +127,7 @@ TEST_F(InterruptTest, ARunKeepsAndScoresTheFinishedPart) {
   const std::string said = Interrupt("run walk.yaml --out run", 40);
   EXPECT_THAT(said, HasSubstr("INTERRUPTED after"));
   ExpectNothingHalfWritten();
-  const nlohmann::json scores = nlohmann::json::parse(ReadAll(File("run/scores.json")));
+  const nlohmann::json scores = nlohmann::json::parse(ReadText(File("run/scores.json")));
   EXPECT_EQ(scores["run"]["status"], "interrupted");
   EXPECT_TRUE(scores.contains("scores") && scores["scores"].contains("ate_rmse_m")) << scores.dump(2);
   const int frames = scores["run"]["frames"];
@@ -136,14 +136,14 @@ TEST_F(InterruptTest, ARunKeepsAndScoresTheFinishedPart) {
   EXPECT_EQ(Lines(File("run/frames.csv")), frames + 1);  // and the heading
   EXPECT_GT(Lines(File("run/estimate.txt")), 0);
   for (const char* name : {"truth.txt", "scenario.yaml", "walk.mp4"}) EXPECT_GT(fs::file_size(File("run") / name), 0u);
-  EXPECT_THAT(ReadAll(File("run/report.html")), HasSubstr("interrupted"));
+  EXPECT_THAT(ReadText(File("run/report.html")), HasSubstr("interrupted"));
 }
 
 TEST_F(InterruptTest, ARunTooShortToScoreIsKeptAndSaysWhyItHasNoScore) {
   const std::string said = Interrupt("run walk.yaml --out run --set score.min_coverage_ratio=1", 1);
   ExpectNothingHalfWritten();
   EXPECT_THAT(said, HasSubstr("interrupted after"));
-  const nlohmann::json scores = nlohmann::json::parse(ReadAll(File("run/scores.json")));
+  const nlohmann::json scores = nlohmann::json::parse(ReadText(File("run/scores.json")));
   EXPECT_EQ(scores["run"]["status"], "interrupted");
   EXPECT_NE(scores["run"].value("not_scored", ""), "");
   EXPECT_TRUE(fs::exists(File("run/report.html")));
@@ -152,7 +152,7 @@ TEST_F(InterruptTest, ARunTooShortToScoreIsKeptAndSaysWhyItHasNoScore) {
 TEST_F(InterruptTest, ARecordingKeepsItsFramesAndCanBeTracked) {
   Interrupt("record walk.yaml --out data", 5);
   ExpectNothingHalfWritten();
-  EXPECT_THAT(ReadAll(File("data/walk/about.txt")), HasSubstr("interrupted at"));
+  EXPECT_THAT(ReadText(File("data/walk/about.txt")), HasSubstr("interrupted at"));
   int pictures = 0;
   for (const auto& entry : fs::directory_iterator(File("data/walk/rgb"))) pictures += entry.is_regular_file();
   EXPECT_GE(pictures, 5);

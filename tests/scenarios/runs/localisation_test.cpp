@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -48,7 +48,7 @@ class LocalisationTest : public testing::Test {
   }
   fs::path File(const std::string& name) const { return temporary_.path() / name; }
   nlohmann::json Scores(const std::string& run) const {
-    nlohmann::json scores = nlohmann::json::parse(ReadAll(File(run) / "scores.json"));
+    nlohmann::json scores = nlohmann::json::parse(ReadText(File(run) / "scores.json"));
     EXPECT_TRUE(scores.contains("timing"));
     scores.erase("timing");
     return scores;
@@ -64,7 +64,7 @@ class LocalisationTest : public testing::Test {
   /// A KHR-1HV whose neck does not turn.
   void WriteStiffRobot() {
     const fs::path folder = TestData() / "models/robots/khr1hv";
-    std::istringstream lines(ReadAll(folder / "khr1hv.yaml"));
+    std::istringstream lines(ReadText(folder / "khr1hv.yaml"));
     std::ofstream stiff(File("stiff.yaml"));
     for (std::string line; std::getline(lines, line);) {
       if (line.starts_with("neck:")) continue;
@@ -91,13 +91,13 @@ TEST_F(LocalisationTest, LeavesATableScoresHeatMapsAndAPageThatAreTheSameAgain) 
   EXPECT_NEAR(scores["scores"]["occlusion_covered_median_ratio"], 0.2, 0.01);
   EXPECT_GT(scores["scores"]["walk_blur_median_px"], 0.2);
 
-  std::istringstream csv(ReadAll(File("a/localisation.csv")));
+  std::istringstream csv(ReadText(File("a/localisation.csv")));
   int lines = 0;
   for (std::string line; std::getline(csv, line); ++lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 18);
   EXPECT_EQ(lines, 1 + 24 * 2);
   const cv::Mat map = cv::imread((File("a/heatmaps") / "plain_view_0_wavelet.png").string());
   EXPECT_GT(map.cols, 400);
-  const std::string page = ReadAll(File("a/report.html"));
+  const std::string page = ReadText(File("a/report.html"));
   for (const char* text : {"occlusion_20", "light_dimmed", "walk_20ms", "data-chart=\"found\""}) {
     EXPECT_THAT(page, HasSubstr(text));
   }
@@ -108,7 +108,7 @@ TEST_F(LocalisationTest, LeavesATableScoresHeatMapsAndAPageThatAreTheSameAgain) 
   for (const std::string other : {"b", "c"}) {
     EXPECT_EQ(Scores(other), scores);
     for (const char* name : {"localisation.csv", "scenario.yaml", "heatmaps/plain_view_0_wavelet.png"})
-      EXPECT_EQ(ReadAll(File("a") / name), ReadAll(File(other) / name)) << name;
+      EXPECT_EQ(ReadText(File("a") / name), ReadText(File(other) / name)) << name;
   }
 }
 

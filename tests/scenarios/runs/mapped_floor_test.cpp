@@ -13,7 +13,7 @@
 #include "results/scoring/score.h"
 #include "scenarios/code/files/folders.h"
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -91,15 +91,15 @@ TEST_F(MappingRunTest, LeavesPicturesScoresAndAReportOfTheMap) {
   for (const char* name : {"mask", "truth", "difference"}) {
     EXPECT_EQ(cv::imread(File("run/map") / (std::string(name) + ".png"), cv::IMREAD_UNCHANGED).size(), estimate.size());
   }
-  const nlohmann::json scores = nlohmann::json::parse(ReadAll(File("run/scores.json")))["scores"];
+  const nlohmann::json scores = nlohmann::json::parse(ReadText(File("run/scores.json")))["scores"];
   EXPECT_GT(scores["map_ncc"], 0.5);  // what it can be is the business of longer runs
   EXPECT_GT(scores["map_area_m2"], 0.1);
-  EXPECT_THAT(ReadAll(File("run/report.html")), HasSubstr("<h2>The floor as it was mapped</h2>"));
+  EXPECT_THAT(ReadText(File("run/report.html")), HasSubstr("<h2>The floor as it was mapped</h2>"));
 
   const ProgramResult without = Run("run walk.yaml --out without -q --set system=mobif_vo_plus");
   ASSERT_EQ(without.exit_code, 0) << without.err;
   EXPECT_FALSE(fs::exists(File("without/map")));
-  EXPECT_THAT(ReadAll(File("without/scores.json")), Not(HasSubstr("map_")));
+  EXPECT_THAT(ReadText(File("without/scores.json")), Not(HasSubstr("map_")));
 }
 
 TEST_F(MappingRunTest, StudiesHaveTheScoresOfTheMap) {
@@ -107,7 +107,7 @@ TEST_F(MappingRunTest, StudiesHaveTheScoresOfTheMap) {
                                        "metrics: [map_ncc, ate_rmse_m]\n";
   const ProgramResult result = Run("study study.yaml --out study --cache cache");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  std::istringstream rows(ReadAll(File("study/runs.csv")));
+  std::istringstream rows(ReadText(File("study/runs.csv")));
   std::string head, mapping, other;
   std::getline(rows, head);
   std::getline(rows, mapping);

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "algorithms/core/errors.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "tests/data_folder.h"
 #include "tests/scenarios/program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -31,7 +31,7 @@ std::string LastLine(const std::string& text) {
 }
 
 nlohmann::json ScoresWithoutTiming(const fs::path& run) {
-  nlohmann::json scores = nlohmann::json::parse(ReadAll(run / "scores.json"));
+  nlohmann::json scores = nlohmann::json::parse(ReadText(run / "scores.json"));
   EXPECT_EQ(scores.contains("timing"), !scores["run"].contains("not_scored"));
   scores.erase("timing");
   return scores;
@@ -70,19 +70,19 @@ TEST_F(RunTest, TheSameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
   ASSERT_EQ(Run("run walk.yaml --out a -q").exit_code, 0);
   ASSERT_EQ(Run("run walk.yaml --out b -q").exit_code, 0);
   for (const char* name : {"estimate.txt", "truth.txt", "scenario.yaml", "frames.csv"}) {
-    EXPECT_EQ(ReadAll(File("a") / name), ReadAll(File("b") / name)) << name;
+    EXPECT_EQ(ReadText(File("a") / name), ReadText(File("b") / name)) << name;
   }
   EXPECT_EQ(ScoresWithoutTiming(File("a")), ScoresWithoutTiming(File("b")));
   ASSERT_EQ(Run("run walk.yaml --out c -q --seed 2").exit_code, 0);
-  EXPECT_NE(ReadAll(File("a/estimate.txt")), ReadAll(File("c/estimate.txt")));
+  EXPECT_NE(ReadText(File("a/estimate.txt")), ReadText(File("c/estimate.txt")));
 }
 
 TEST_F(RunTest, TheResolvedScenarioGivesTheSameRun) {
   ASSERT_EQ(Run("run walk.yaml --out a -q --set gait.lift_m=0.018").exit_code, 0);
   const ProgramResult again = Run("run a/scenario.yaml --out b -q");
   ASSERT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_EQ(ReadAll(File("a/estimate.txt")), ReadAll(File("b/estimate.txt")));
-  EXPECT_EQ(ReadAll(File("a/scenario.yaml")), ReadAll(File("b/scenario.yaml")));
+  EXPECT_EQ(ReadText(File("a/estimate.txt")), ReadText(File("b/estimate.txt")));
+  EXPECT_EQ(ReadText(File("a/scenario.yaml")), ReadText(File("b/scenario.yaml")));
 }
 
 TEST_F(RunTest, TheSameFramesFromMemoryAndFromDiskGiveTheSameEstimateToTheBit) {
@@ -92,7 +92,7 @@ TEST_F(RunTest, TheSameFramesFromMemoryAndFromDiskGiveTheSameEstimateToTheBit) {
     ASSERT_EQ(record.exit_code, 0) << record.err;
     const ProgramResult track = Run("track " + format + "/walk -q --out " + format + ".txt");
     ASSERT_EQ(track.exit_code, 0) << track.err;
-    EXPECT_EQ(ReadAll(File("run/estimate.txt")), ReadAll(File(format + ".txt"))) << format;
+    EXPECT_EQ(ReadText(File("run/estimate.txt")), ReadText(File(format + ".txt"))) << format;
   }
 }
 
@@ -113,7 +113,7 @@ TEST_F(RunTest, AFallIsSaidAloudAndWhatWasFilmedIsKept) {
   EXPECT_EQ(scores["run"]["status"], "fell");
   EXPECT_GT(scores["run"]["end_time_s"], 0);
   EXPECT_LT(scores["run"]["end_time_s"], 4);
-  EXPECT_THAT(ReadAll(File("run/report.html")), HasSubstr("fell"));
+  EXPECT_THAT(ReadText(File("run/report.html")), HasSubstr("fell"));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(LastLine(result.out), HasSubstr("FELL after"));
 }

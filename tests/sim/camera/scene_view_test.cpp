@@ -1,10 +1,9 @@
-/// Places as cameras see them: textures the right way round and where they should be, well-exposed, with enough to
+/// Scenes as cameras see them: textures the right way round and where they should be, well-exposed, with enough to
 /// track.
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -16,6 +15,7 @@
 #include "sim/camera/renderer.h"
 #include "sim/world/world.h"
 #include "tests/data_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -54,12 +54,6 @@ class SceneViewer {
   Renderer renderer_;
 };
 
-std::filesystem::path WriteFile(const std::string& name, const std::string& text) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / name;
-  std::ofstream(file) << text;
-  return file;
-}
-
 /// Straight down from 0.6 m the camera sees what the floor's image shows around there.
 void ExpectFloorAsInItsImage(const std::string& name, double x, double y) {
   const Scene scene = ReadScene(name, kModels);
@@ -87,30 +81,30 @@ void ExpectFloorAsInItsImage(const std::string& name, double x, double y) {
   EXPECT_NEAR(at.y, 8, 1);
 }
 
-TEST(PlaceView, TheFloorLiesWhereItsTrueImageSays) { ExpectFloorAsInItsImage("lab", 2.0, -2.3); }
+TEST(SceneView, TheFloorLiesWhereItsTrueImageSays) { ExpectFloorAsInItsImage("lab", 2.0, -2.3); }
 
-TEST(PlaceView, ThePrintsOnATableLieWhereItsTrueImageSays) {
+TEST(SceneView, ThePrintsOnATableLieWhereItsTrueImageSays) {
   ExpectFloorAsInItsImage("tabletop", 0.5, -0.3);
   ExpectFloorAsInItsImage("tabletop", -0.6, 0.6);
 }
 
-TEST(PlaceView, PicturesAreUprightAndNotMirrored) {
+TEST(SceneView, PicturesAreUprightAndNotMirrored) {
   cv::Mat picture(64, 64, CV_8UC3, cv::Scalar(0, 0, 0));  // black, but: top left red, top right green, bottom left blue
   picture(cv::Rect(0, 0, 32, 32)).setTo(cv::Scalar(0, 0, 255));
   picture(cv::Rect(32, 0, 32, 32)).setTo(cv::Scalar(0, 255, 0));
   picture(cv::Rect(0, 32, 32, 32)).setTo(cv::Scalar(255, 0, 0));
-  cv::imwrite((std::filesystem::path(testing::TempDir()) / "corners.png").string(), picture);
-  const Scene scene =
-      ReadScene(WriteFile("place_view.yaml",
-                          "floor: {texture: {kind: paint, px_per_m: 32}}\n"
-                          "textures: {corners: {kind: image, file: corners.png}}\n"
-                          "ambient: 0.8\n"
-                          "posters:\n"
-                          "  - {at: [2, 0, 0.5], facing_deg: 180, size: [1, 1], texture: corners}\n"
-                          "  - {at: [0, 0, 0.1], lies: true, facing_deg: 90, size: [1, 1], texture: corners}\n"
-                          "boxes: [{at: [0, -3, 0.5], size: [1, 1, 1], texture: corners}]\n")
-                    .string(),
-                kModels);
+  const TemporaryFolder folder;
+  cv::imwrite((folder.path() / "corners.png").string(), picture);
+  const std::filesystem::path file =
+      folder.Write("scene_view.yaml",
+                   "floor: {texture: {kind: paint, px_per_m: 32}}\n"
+                   "textures: {corners: {kind: image, file: corners.png}}\n"
+                   "ambient: 0.8\n"
+                   "posters:\n"
+                   "  - {at: [2, 0, 0.5], facing_deg: 180, size: [1, 1], texture: corners}\n"
+                   "  - {at: [0, 0, 0.1], lies: true, facing_deg: 90, size: [1, 1], texture: corners}\n"
+                   "boxes: [{at: [0, -3, 0.5], size: [1, 1, 1], texture: corners}]\n");
+  const Scene scene = ReadScene(file.string(), kModels);
   SceneViewer viewer(scene);
   const CameraModel camera = CameraModel::FromHorizontalFov(200, 200, 60);
   const auto expect_corners = [&](const Pose& X_WC, const char* what) {
@@ -131,7 +125,7 @@ TEST(PlaceView, PicturesAreUprightAndNotMirrored) {
   expect_corners(Look({0, -3, 2.4}, M_PI / 2, M_PI / 2), "top of a box, seen with +y up");
 }
 
-TEST(PlaceView, ShippedPlacesAreWellExposedAndOfferFeaturesFromTheirStart) {
+TEST(SceneView, ShippedScenesAreWellExposedAndOfferFeaturesFromTheirStart) {
   std::map<std::string, int> features;
   const CameraModel camera = CameraModel::FromHorizontalFov(320, 240, 60);
   for (const std::string& name : ListScenes(kModels)) {

@@ -31,7 +31,7 @@ TEST_P(EveryHumanoid, WalksStraightToItsGoalAndStands) {
   // the sway, are some centimetres.
   EXPECT_NEAR(walk.end.position.x(), 2, 0.06);
   EXPECT_LT(Worst(walk.path_error_m), 0.06);  // twice what the walking matrix shows over 20 m
-  EXPECT_LT(walk.most_tilt_rad, 0.12);        // likewise, robovie_m's 3.5 degrees
+  EXPECT_LT(walk.max_tilt_rad, 0.12);         // likewise, robovie_m's 3.5 degrees
 }
 
 INSTANTIATE_TEST_SUITE_P(Walking, EveryHumanoid, testing::Values("khr1hv", "robovie_m", "nimbro"));
@@ -64,7 +64,7 @@ TEST(Walking, StandsAndLooksAroundWithoutMovingItsFeet) {
   const WalkTrialResult stand = RunWalkTrial(options);
   EXPECT_TRUE(stand.finished);
   EXPECT_NEAR(stand.end_s, 6, 0.01);
-  EXPECT_LT(stand.most_tilt_rad, 0.03);
+  EXPECT_LT(stand.max_tilt_rad, 0.03);
   EXPECT_LT(stand.end.position.norm(), 0.02);  // the root leans over the middle of the soles, no more
 }
 

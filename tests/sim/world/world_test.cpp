@@ -2,15 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
 #include <numbers>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
 #include "tests/data_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -254,9 +253,9 @@ TEST(World, ControlPeriodIsAWholeMultipleOfTheStep) {
 }
 
 TEST(World, MeshesReachMujocoAndBrokenOnesAreNamed) {
+  const TemporaryFolder folder;
   const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / ("gaitcam_mesh_" + std::to_string(getpid()) + ".obj");
-  std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+      folder.Write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
   Robot robot = Shipped();
   RobotShape shape;
   shape.kind = RobotShape::Kind::kMesh;
@@ -265,7 +264,7 @@ TEST(World, MeshesReachMujocoAndBrokenOnesAreNamed) {
   robot.links[0].visuals = {shape, shape};
   const World world(robot, Scene(), PhysicsOptions(), {}, 1);
   EXPECT_EQ(world.model()->nmesh, 1);
-  std::ofstream(file) << "no mesh";
+  folder.Write("mesh.obj", "no mesh");
   EXPECT_THROW(World(robot, Scene(), PhysicsOptions(), {}, 1), BadInput);
   std::filesystem::remove(file);
   EXPECT_THROW(World(robot, Scene(), PhysicsOptions(), {}, 1), BadInput);

@@ -1,0 +1,36 @@
+// A folder of its own for each test, gone afterwards.
+
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "tests/temporary_folder.h"
+
+namespace gaitcam {
+
+class FileTest : public ::testing::Test {
+ protected:
+  std::filesystem::path Write(const std::string& name, const std::string& text) const {
+    return temporary_.Write(name, text);
+  }
+
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
+};
+
+// The message of the Exception that `act` throws.
+template <class Exception, class Act>
+std::string ErrorOf(Act act) {
+  try {
+    act();
+  } catch (const Exception& e) {
+    return e.what();
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {};
+}
+
+}  // namespace gaitcam
