@@ -149,18 +149,6 @@ bool Has(SensorNeed need, const Calibration& calibration, bool has_joints) {
 
 }  // namespace
 
-std::string ToString(SensorNeed need) {
-  switch (need) {
-    case SensorNeed::kStereo: return "stereo";
-    case SensorNeed::kDepth: return "depth";
-    case SensorNeed::kImu: return "imu";
-    case SensorNeed::kJoints: return "joints";
-    case SensorNeed::kStandingCamera: return "standing_camera";
-  }
-  GAITCAM_ASSERT(false);
-  return {};
-}
-
 SystemSettings SystemInfo::Defaults() const {
   SystemSettings settings;
   for (const FieldInfo& option : options) settings[option.key] = option.default_value;

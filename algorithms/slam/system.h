@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -12,6 +13,7 @@
 
 #include "algorithms/core/body_command.h"
 #include "algorithms/core/camera.h"
+#include "algorithms/core/enum_words.h"
 #include "algorithms/core/estimate.h"
 #include "algorithms/core/field_list.h"
 #include "algorithms/core/observation.h"
@@ -53,8 +55,12 @@ enum class SensorNeed {
   kStandingCamera,  ///< Calibration::standing.
 };
 
-/// "stereo", "depth", "imu", "joints", "standing_camera".
-std::string ToString(SensorNeed need);
+constexpr auto WordsOf(SensorNeed) {
+  return std::array{EnumWord{SensorNeed::kStereo, "stereo"}, EnumWord{SensorNeed::kDepth, "depth"},
+                    EnumWord{SensorNeed::kImu, "imu"}, EnumWord{SensorNeed::kJoints, "joints"},
+                    EnumWord{SensorNeed::kStandingCamera, "standing_camera"}};
+}
+inline std::string ToString(SensorNeed need) { return std::string(ToWord(need)); }
 
 /// What is known of a system without building one.
 struct SystemInfo {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/code/runs/subprocess.h"
+#include "scenarios/code/systems/subprocess.h"
 
 namespace gaitcam {
 

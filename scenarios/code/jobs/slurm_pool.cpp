@@ -109,7 +109,7 @@ class PendingTasks {
 
 void CheckSlurm() {
   for (const char* program : {"sbatch", "squeue", "scancel"}) {
-    if (IsProgram(program)) continue;
+    if (FindProgram(program)) continue;
     throw MissingResource(fmt::format(
         "there is no {} on this machine; install Slurm (Debian: slurm-client), or leave out --executor slurm",
         program));

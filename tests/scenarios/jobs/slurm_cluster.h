@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-#include "scenarios/code/runs/subprocess.h"
+#include "scenarios/code/systems/subprocess.h"
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
 
@@ -26,7 +26,7 @@ class SlurmCluster {
       return;
     }
     for (const char* program : {"munged", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol"}) {
-      if (IsProgram(program)) continue;
+      if (FindProgram(program)) continue;
       trouble_ = std::string("no ") + program + " on this machine (Debian: slurm-wlm, munge)";
       return;
     }

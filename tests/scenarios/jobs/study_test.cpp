@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "algorithms/core/random.h"
-#include "scenarios/code/runs/subprocess.h"
+#include "scenarios/code/systems/subprocess.h"
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/dataset_writer.h"
 #include "algorithms/io/trajectory_file.h"
-#include "scenarios/code/runs/subprocess.h"
+#include "scenarios/code/systems/subprocess.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;

@@ -1,0 +1,435 @@
+#include "scenarios/code/systems/frame_protocol.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+size_t ColourBytes(const CameraModel& camera) { return 3 * size_t(camera.width_px) * size_t(camera.height_px); }
+
+size_t BytesOf(const Calibration& calibration) {
+  return ColourBytes(calibration.camera) + (calibration.right ? ColourBytes(*calibration.right) : 0) +
+         (calibration.has_depth ? sizeof(float) * ColourBytes(calibration.camera) / 3 : 0);
+}
+
+[[noreturn]] void FailOn(const fs::path& file) { throw MissingResource(file.string() + ": " + std::strerror(errno)); }
+
+Json JsonOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json JsonOf(const Pose& X) {
+  const Eigen::Quaterniond& q = X.rotation;
+  return {X.translation.x(), X.translation.y(), X.translation.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+Json JsonOf(const CameraModel& c) {
+  return {{"width_px", c.width_px}, {"height_px", c.height_px}, {"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx},
+          {"cy", c.cy},             {"k1", c.k1},               {"k2", c.k2}, {"p1", c.p1}, {"p2", c.p2},
+          {"k3", c.k3}};
+}
+
+Json JsonOf(const Calibration& c) {
+  const ImuCalibration& i = c.imu;
+  Json json{{"camera", JsonOf(c.camera)}};
+  if (c.right) json["right"] = JsonOf(*c.right);
+  json["X_LR"] = JsonOf(c.X_LR);
+  json["has_depth"] = c.has_depth;
+  json["frame_rate_hz"] = c.frame_rate_hz;
+  json["readout_ms"] = c.readout_ms;
+  json["imu"] = {{"rate_hz", i.rate_hz},
+                 {"gyro_noise_density", i.gyro_noise_density},
+                 {"gyro_random_walk", i.gyro_random_walk},
+                 {"accel_noise_density", i.accel_noise_density},
+                 {"accel_random_walk", i.accel_random_walk},
+                 {"X_CI", JsonOf(i.X_CI)}};
+  if (c.standing) json["standing"] = {{"height_m", c.standing->height_m}, {"up_C", JsonOf(c.standing->up_C)}};
+  return json;
+}
+
+/// A list of exactly `count` finite numbers.
+std::vector<double> Numbers(const Json& json, size_t count, const char* what) {
+  const auto fail = [&] { throw BadInput(fmt::format("{}: expected {} finite numbers", what, count)); };
+  if (!json.is_array() || json.size() != count) fail();
+  std::vector<double> numbers;
+  for (const Json& number : json) {
+    if (!number.is_number() || !std::isfinite(number.get<double>())) fail();
+    numbers.push_back(number.get<double>());
+  }
+  return numbers;
+}
+
+Eigen::Vector3d VectorOf(const Json& json, const char* what) {
+  const std::vector<double> v = Numbers(json, 3, what);
+  return {v[0], v[1], v[2]};
+}
+
+Pose PoseOf(const Json& json, const char* what) {
+  const std::vector<double> v = Numbers(json, 7, what);
+  Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
+  constexpr double kMaxRounding = 1e-12, kMaxError = 1e-3;  // of the norm: ours come back to the bit
+  const double error = std::abs(q.norm() - 1);
+  if (error > kMaxError) throw BadInput(fmt::format("{}: expected x, y, z and a unit quaternion x, y, z, w", what));
+  if (error > kMaxRounding) q.normalize();
+  return {q, {v[0], v[1], v[2]}};
+}
+
+CameraModel CameraOf(const Json& json) {
+  CameraModel c;
+  c.width_px = json.at("width_px");
+  c.height_px = json.at("height_px");
+  for (const auto& [key, member] : {std::pair{"fx", &c.fx}, {"fy", &c.fy}, {"cx", &c.cx}, {"cy", &c.cy}, {"k1", &c.k1},
+                                    {"k2", &c.k2}, {"p1", &c.p1}, {"p2", &c.p2}, {"k3", &c.k3}}) {
+    *member = json.at(key);
+  }
+  return c;
+}
+
+Calibration CalibrationOf(const Json& json) {
+  Calibration c;
+  c.camera = CameraOf(json.at("camera"));
+  if (json.contains("right")) c.right = CameraOf(json.at("right"));
+  c.X_LR = PoseOf(json.at("X_LR"), "X_LR");
+  c.has_depth = json.at("has_depth");
+  c.frame_rate_hz = json.at("frame_rate_hz");
+  c.readout_ms = json.at("readout_ms");
+  const Json& imu = json.at("imu");
+  c.imu.rate_hz = imu.at("rate_hz");
+  c.imu.gyro_noise_density = imu.at("gyro_noise_density");
+  c.imu.gyro_random_walk = imu.at("gyro_random_walk");
+  c.imu.accel_noise_density = imu.at("accel_noise_density");
+  c.imu.accel_random_walk = imu.at("accel_random_walk");
+  c.imu.X_CI = PoseOf(imu.at("X_CI"), "X_CI");
+  if (json.contains("standing")) {
+    c.standing.emplace();
+    c.standing->height_m = json.at("standing").at("height_m");
+    c.standing->up_C = VectorOf(json.at("standing").at("up_C"), "up_C");
+  }
+  return c;
+}
+
+Json SettingJson(const OptionValue& value) {
+  if (const std::optional<double> number = value.AsNumber()) return *number;
+  return value.text();
+}
+
+/// Copies the pixels to `offset`, which moves on. @returns the words for them.
+Json PutImage(const cv::Mat& pixels, SharedFrames& frames, size_t& offset) {
+  const cv::Mat packed = pixels.isContinuous() ? pixels : pixels.clone();
+  const size_t bytes = packed.total() * packed.elemSize();
+  GAITCAM_ASSERT(offset + bytes <= frames.size());
+  std::memcpy(frames.data() + offset, packed.data, bytes);
+  const Json json{{"offset", offset},
+                  {"height", packed.rows},
+                  {"width", packed.cols},
+                  {"channels", packed.channels()},
+                  {"type", packed.depth() == CV_32F ? "float32" : "uint8"}};
+  offset += bytes;
+  return json;
+}
+
+Image GetImage(const Json& json, const SharedFrames& frames, int64_t stamp_ns) {
+  const int channels = json.at("channels");
+  const int type = json.at("type") == "float32" ? CV_32FC(channels) : CV_8UC(channels);
+  const size_t offset = json.at("offset");
+  const cv::Mat shared(int(json.at("height")), int(json.at("width")), type, frames.data() + offset);
+  if (offset + shared.total() * shared.elemSize() > frames.size()) throw BadInput("an image beyond the shared file");
+  return {stamp_ns, shared.clone()};
+}
+
+Json JsonOf(const FrameEstimate& frame) {
+  Json json{{"status", ToString(frame.status)}};
+  if (frame.pose) json["pose"] = JsonOf(*frame.pose);
+  if (frame.covariance) {
+    Json& rows = json["covariance"] = Json::array();
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column) rows.push_back((*frame.covariance)(row, column));
+    }
+  }
+  if (frame.restarted) json["restarted"] = true;
+  json["features"] = frame.features;
+  json["inliers"] = frame.inliers;
+  return json;
+}
+
+TrackingStatus StatusOf(const Json& json) {
+  for (const TrackingStatus status : {TrackingStatus::kInitializing, TrackingStatus::kTracking, TrackingStatus::kLost}) {
+    if (json.is_string() && json == ToString(status)) return status;
+  }
+  throw BadInput("status: expected initializing, tracking or lost");
+}
+
+FrameEstimate EstimateOf(const Json& json, int64_t stamp_ns) {
+  if (!json.is_object() || !json.contains("status")) throw BadInput("expected an object with the key status");
+  FrameEstimate frame;
+  frame.stamp_ns = stamp_ns;
+  frame.status = StatusOf(json.at("status"));
+  if (frame.status == TrackingStatus::kTracking) {
+    if (!json.contains("pose")) throw BadInput("status is tracking and there is no pose");
+    frame.pose = PoseOf(json.at("pose"), "pose");
+    if (json.contains("covariance")) {
+      const std::vector<double> values = Numbers(json.at("covariance"), 36, "covariance");
+      frame.covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values.data());
+    }
+  }
+  frame.restarted = json.value("restarted", false);
+  frame.features = json.value("features", 0);
+  frame.inliers = json.value("inliers", 0);
+  return frame;
+}
+
+struct CommandJson {
+  Json operator()(FollowPath) const { return "follow_path"; }
+  Json operator()(Scan) const { return "scan"; }
+  Json operator()(const Velocity& v) const { return {{"velocity", {v.forward_mps, v.left_mps, v.turn_rad_s}}}; }
+  Json operator()(const GoTo& g) const { return {{"go_to", {g.x_m, g.y_m, g.heading_rad}}}; }
+};
+
+BodyCommand CommandOf(const Json& json) {
+  if (json == "follow_path") return FollowPath();
+  if (json == "scan") return Scan();
+  if (json.is_object() && json.contains("velocity")) {
+    const Eigen::Vector3d v = VectorOf(json.at("velocity"), "velocity");
+    return Velocity{v.x(), v.y(), v.z()};
+  }
+  if (json.is_object() && json.contains("go_to")) {
+    const Eigen::Vector3d v = VectorOf(json.at("go_to"), "go_to");
+    return GoTo{v.x(), v.y(), v.z()};
+  }
+  throw BadInput("command: expected follow_path, scan, {velocity: ...} or {go_to: ...}");
+}
+
+void AddMap(const LandmarkMap& map, Json& maps) {
+  Json points = Json::array();
+  for (const MapPoint& point : map.points) points.push_back(JsonOf(point.p_W));
+  maps.push_back({{"landmarks", points}});
+}
+
+void AddMap(const OccupancyGrid& grid, Json& maps) {
+  Json rows = Json::array();
+  for (int y = 0; y < grid.log_odds.rows; ++y) {
+    const float* row = grid.log_odds.ptr<float>(y);
+    rows.push_back(std::vector<double>(row, row + grid.log_odds.cols));
+  }
+  maps.push_back({{"occupancy",
+                   {{"cell_m", grid.cell_m}, {"corner_m", {grid.corner_m.x(), grid.corner_m.y()}}, {"log_odds", rows}}}});
+}
+
+template <class Other>
+void AddMap(const Other&, Json&) {}
+
+Map LandmarksOf(const Json& json) {
+  LandmarkMap map;
+  for (const Json& point : json) map.points.push_back({int64_t(map.points.size()), VectorOf(point, "landmarks"), {}, {}});
+  return map;
+}
+
+Map OccupancyOf(const Json& json) {
+  OccupancyGrid grid;
+  grid.cell_m = json.at("cell_m");
+  const std::vector<double> corner = Numbers(json.at("corner_m"), 2, "corner_m");
+  grid.corner_m = {corner[0], corner[1]};
+  const Json& rows = json.at("log_odds");
+  if (!(grid.cell_m > 0) || !rows.is_array() || rows.empty()) throw BadInput("occupancy: expected cells of a size");
+  grid.log_odds.create(int(rows.size()), int(rows[0].size()), CV_32FC1);
+  for (int y = 0; y < grid.log_odds.rows; ++y) {
+    const std::vector<double> row = Numbers(rows[size_t(y)], rows[0].size(), "log_odds");
+    std::copy(row.begin(), row.end(), grid.log_odds.ptr<float>(y));
+  }
+  return grid;
+}
+
+Map MapOf(const Json& json) {
+  if (json.contains("landmarks")) return LandmarksOf(json.at("landmarks"));
+  if (json.contains("occupancy")) return OccupancyOf(json.at("occupancy"));
+  throw BadInput("maps: expected landmarks or occupancy");
+}
+
+/// Does `read` with the parsed line; every fault of the line is a BadInput.
+template <class Read>
+auto Parsed(const std::string& line, Read read) {
+  try {
+    return read(Json::parse(line));
+  } catch (const nlohmann::json::parse_error&) {
+    constexpr size_t kShown = 60;
+    throw BadInput("no JSON: " + (line.size() > kShown ? line.substr(0, kShown) + "..." : line));
+  } catch (const nlohmann::json::exception& e) {
+    throw BadInput(e.what());
+  }
+}
+
+}  // namespace
+
+SharedFrames::SharedFrames(const fs::path& file, const Calibration& calibration)
+    : file_(file), size_(BytesOf(calibration)) {
+  const int descriptor = open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (descriptor < 0) FailOn(file);
+  if (posix_fallocate(descriptor, 0, off_t(size_)) != 0) {
+    close(descriptor);
+    throw MissingResource(file.string() + ": no room for a frame");
+  }
+  Map(descriptor, true);
+}
+
+SharedFrames::SharedFrames(const fs::path& file) : file_(file) {
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) FailOn(file);
+  struct stat status = {};
+  fstat(descriptor, &status);
+  size_ = size_t(status.st_size);
+  Map(descriptor, false);
+}
+
+void SharedFrames::Map(int descriptor, bool writes) {
+  void* const data = mmap(nullptr, size_, writes ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, descriptor, 0);
+  close(descriptor);
+  if (data == MAP_FAILED) FailOn(file_);
+  data_ = static_cast<uint8_t*>(data);
+}
+
+SharedFrames::~SharedFrames() { munmap(data_, size_); }
+
+std::string StartMessage(const SystemSetup& setup, const fs::path& frames) {
+  Json settings = Json::object();
+  for (const auto& [key, value] : setup.settings) settings[key] = SettingJson(value);
+  return Json{{"event", "start"},
+              {"protocol", 1},
+              {"seed", setup.seed},
+              {"frames", frames.string()},
+              {"settings", settings},
+              {"calibration", JsonOf(setup.calibration)}}
+      .dump();
+}
+
+std::string FrameMessage(const Observation& o, SharedFrames& frames) {
+  size_t offset = 0;
+  Json json{{"event", "frame"}, {"stamp_ns", o.stamp_ns}, {"exposure_ms", o.exposure_ms}};
+  json["image"] = PutImage(o.image.pixels, frames, offset);
+  if (o.right) json["right"] = PutImage(o.right->pixels, frames, offset);
+  if (o.depth) json["depth"] = PutImage(o.depth->pixels, frames, offset);
+  json["imu"] = Json::array();
+  for (const ImuSample& s : o.imu) {
+    const Eigen::Vector3d &w = s.angular_rate, &a = s.specific_force;
+    json["imu"].push_back({s.stamp_ns, w.x(), w.y(), w.z(), a.x(), a.y(), a.z()});
+  }
+  json["joints"] = Json::array();
+  for (const JointSample& s : o.joints) {
+    json["joints"].push_back({{"stamp_ns", s.stamp_ns},
+                              {"position", s.position},
+                              {"left_contact", s.left_contact},
+                              {"right_contact", s.right_contact}});
+  }
+  if (o.scan) json["scan"] = {{"pan_rad", o.scan->pan_rad}, {"body_turn_rad", o.scan->body_turn_rad}};
+  return json.dump();
+}
+
+std::string FinishMessage() { return Json{{"event", "finish"}}.dump(); }
+
+std::string AnswerMessage(const FrameAnswer& answer) {
+  Json json = JsonOf(answer.frame);
+  if (answer.command != BodyCommand(FollowPath())) json["command"] = std::visit(CommandJson(), answer.command);
+  return json.dump();
+}
+
+std::string FinalMessage(const FinalEstimate& final_estimate) {
+  Json json{{"frames", Json::array()}, {"maps", Json::array()}, {"failure", final_estimate.failure}};
+  for (const FrameEstimate& frame : final_estimate.frames) {
+    Json entry = JsonOf(frame);
+    entry["stamp_ns"] = frame.stamp_ns;
+    json["frames"].push_back(entry);
+  }
+  for (const Map& map : final_estimate.maps) std::visit([&](const auto& kind) { AddMap(kind, json["maps"]); }, map);
+  return json.dump();
+}
+
+FrameEvent EventOf(const std::string& line) {
+  return Parsed(line, [](const Json& json) {
+    const std::string event = json.at("event");
+    if (event == "start") return FrameEvent::kStart;
+    if (event == "frame") return FrameEvent::kFrame;
+    if (event == "finish") return FrameEvent::kFinish;
+    throw BadInput("event: expected start, frame or finish");
+  });
+}
+
+SystemSetup ReadStart(const std::string& line, fs::path& frames) {
+  return Parsed(line, [&](const Json& json) {
+    if (json.at("protocol") != 1) throw BadInput("protocol: this program speaks 1");
+    SystemSetup setup;
+    setup.calibration = CalibrationOf(json.at("calibration"));
+    setup.seed = json.at("seed");
+    frames = json.at("frames").get<std::string>();
+    for (const auto& [key, value] : json.at("settings").items()) {
+      if (value.is_number()) {
+        setup.settings[key] = OptionValue(value.get<double>());
+      } else {
+        setup.settings[key] = OptionValue(value.get<std::string>());
+      }
+    }
+    return setup;
+  });
+}
+
+Observation ReadFrame(const std::string& line, const SharedFrames& frames) {
+  return Parsed(line, [&](const Json& json) {
+    Observation o;
+    o.stamp_ns = json.at("stamp_ns");
+    o.exposure_ms = json.at("exposure_ms");
+    o.image = GetImage(json.at("image"), frames, o.stamp_ns);
+    if (json.contains("right")) o.right = GetImage(json.at("right"), frames, o.stamp_ns);
+    if (json.contains("depth")) o.depth = GetImage(json.at("depth"), frames, o.stamp_ns);
+    for (const Json& s : json.at("imu")) {
+      const std::vector<double> v = Numbers(s, 7, "imu");
+      o.imu.push_back({s.at(0).get<int64_t>(), {v[1], v[2], v[3]}, {v[4], v[5], v[6]}});
+    }
+    for (const Json& s : json.at("joints")) {
+      o.joints.push_back({s.at("stamp_ns"), s.at("position"), s.at("left_contact"), s.at("right_contact")});
+    }
+    if (json.contains("scan")) {
+      o.scan = ScanState{json.at("scan").at("pan_rad"), json.at("scan").at("body_turn_rad")};
+    }
+    return o;
+  });
+}
+
+std::string ReadReady(const std::string& line) {
+  return Parsed(line, [](const Json& json) {
+    if (json.contains("error")) return json.at("error").get<std::string>();
+    if (!json.is_object() || !json.value("ready", false)) throw BadInput("expected {\"ready\": true}");
+    return std::string();
+  });
+}
+
+FrameAnswer ReadAnswer(const std::string& line, int64_t stamp_ns) {
+  return Parsed(line, [&](const Json& json) {
+    FrameAnswer answer{EstimateOf(json, stamp_ns), FollowPath()};
+    if (json.contains("command")) answer.command = CommandOf(json.at("command"));
+    return answer;
+  });
+}
+
+FinalEstimate ReadFinal(const std::string& line) {
+  return Parsed(line, [](const Json& json) {
+    if (!json.is_object()) throw BadInput("expected an object");
+    FinalEstimate answer;
+    for (const Json& frame : json.value("frames", Json::array())) {
+      answer.frames.push_back(EstimateOf(frame, frame.at("stamp_ns")));
+    }
+    for (const Json& map : json.value("maps", Json::array())) answer.maps.push_back(MapOf(map));
+    answer.failure = json.value("failure", "");
+    return answer;
+  });
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,237 @@
+#include "scenarios/code/systems/process_system.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include "algorithms/core/errors.h"
+#include "scenarios/code/systems/frame_protocol.h"
+#include "scenarios/code/systems/sandbox.h"
+#include "scenarios/code/systems/subprocess.h"
+
+namespace gaitcam {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What went wrong between us and the program, as a failure of the program.
+class Breakdown : public std::exception {
+ public:
+  explicit Breakdown(std::string what) : what_(std::move(what)) {}
+  const char* what() const noexcept override { return what_.c_str(); }
+
+ private:
+  std::string what_;
+};
+
+/// A folder in memory, for us and one program; removed with the object.
+class PrivateFolder {
+ public:
+  PrivateFolder() {
+    const fs::path memory = "/dev/shm";
+    std::error_code ignored;
+    const fs::path parent = fs::is_directory(memory, ignored) ? memory : fs::temp_directory_path();
+    std::string name = (parent / "gaitcam-system-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw MissingResource("cannot make a folder " + name);
+    path_ = name;
+  }
+  ~PrivateFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// An open file descriptor.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() { Close(); }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&&) = delete;
+  void Close() {
+    if (number_ >= 0) close(std::exchange(number_, -1));
+  }
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+/// Both ends of a stream: ours, the program's.
+std::pair<Descriptor, Descriptor> MakeStream() {
+  std::array<int, 2> ends = {-1, -1};
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    throw MissingResource(std::string("cannot make a stream to another process: ") + std::strerror(errno));
+  }
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+}  // namespace
+
+/// The program and the lines to and from it.
+class ProcessSystem::Conversation {
+ public:
+  Conversation(const ProcessOptions& options, const Calibration& calibration, const fs::path& log)
+      : frames_(folder_.path() / "frames", calibration), log_(log), to_(MakeStream()), from_(MakeStream()) {
+    fs::create_directory(work());
+    program_.emplace(Words(options), SubprocessStreams{log, to_.second.number(), from_.second.number(), work()});
+    to_.second.Close();
+    from_.second.Close();
+  }
+
+  SharedFrames& frames() { return frames_; }
+
+  /// Says a line and hears one. @throws Breakdown.
+  std::string Ask(const std::string& line, double limit_s) {
+    Send(line + "\n");
+    return Hear(limit_s);
+  }
+
+  /// After the last answer it may end by itself.
+  void End() {
+    to_.first.Close();
+    constexpr double kGrace_s = 2;
+    program_->Wait(kGrace_s);
+  }
+
+ private:
+  fs::path work() const { return folder_.path() / "work"; }
+
+  std::vector<std::string> Words(const ProcessOptions& options) const {
+    if (!WhyNoSandbox().empty()) return options.command;
+    SandboxView view{options.readable, {work()}, work()};
+    view.readable.push_back(frames_.file());
+    return Sandboxed(options.command, view);
+  }
+
+  void Send(const std::string& text) {
+    for (size_t sent = 0; sent < text.size();) {
+      const ssize_t n = send(to_.first.number(), text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) throw Breakdown(HowItEnded());
+      sent += size_t(n);
+    }
+  }
+
+  std::string Hear(double limit_s) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point end =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit_s));
+    constexpr size_t kMaxLine = 256 << 20;
+    for (;;) {
+      if (const size_t at = heard_.find('\n'); at != std::string::npos) {
+        std::string line = heard_.substr(0, at);
+        heard_.erase(0, at + 1);
+        return line;
+      }
+      if (heard_.size() > kMaxLine) throw Breakdown("answered with a line without an end");
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+      pollfd ready = {from_.first.number(), POLLIN, 0};
+      const int n = poll(&ready, 1, int(std::max<int64_t>(0, left)));
+      if (n < 0 && errno == EINTR) continue;
+      if (n == 0) throw Breakdown(fmt::format("did not answer within {:g} s", limit_s));
+      Receive();
+    }
+  }
+
+  void Receive() {
+    std::array<char, 65536> bytes;
+    const ssize_t n = recv(from_.first.number(), bytes.data(), bytes.size(), 0);
+    if (n < 0 && errno == EINTR) return;
+    if (n <= 0) throw Breakdown(HowItEnded());
+    heard_.append(bytes.data(), size_t(n));
+  }
+
+  /// With its last words.
+  std::string HowItEnded() {
+    constexpr double kGrace_s = 2;
+    const std::optional<Ending> ending = program_->Wait(kGrace_s);
+    const std::string said = LastLine(log_);
+    return (ending ? ending->ToText() : "closed its output") + (said.empty() ? "" : ": " + said);
+  }
+
+  PrivateFolder folder_;
+  SharedFrames frames_;
+  fs::path log_;
+  std::pair<Descriptor, Descriptor> to_, from_;
+  std::optional<Subprocess> program_;
+  std::string heard_;  ///< Not yet a whole line.
+};
+
+ProcessSystem::ProcessSystem(const ProcessOptions& options, const SystemSetup& setup, const fs::path& log)
+    : options_(options), log_(log) {
+  conversation_ = std::make_unique<Conversation>(options, setup.calibration, log);
+  std::string refusal;
+  try {
+    refusal = ReadReady(
+        conversation_->Ask(StartMessage(setup, conversation_->frames().file()), options_.start_limit_s));
+  } catch (const Breakdown& e) {
+    Fail("at its start", e.what());
+  } catch (const BadInput& e) {
+    Fail("at its start", std::string("answered ") + e.what());
+  }
+  if (!refusal.empty()) throw BadInput(refusal);
+}
+
+ProcessSystem::~ProcessSystem() = default;
+
+void ProcessSystem::Fail(const std::string& when, const std::string& what) {
+  failure_ = when + " it " + what;
+  conversation_.reset();
+  command_ = FollowPath();
+}
+
+FrameEstimate ProcessSystem::Track(const Observation& observation) {
+  ++frames_;
+  if (conversation_) {
+    try {
+      const std::string line =
+          conversation_->Ask(FrameMessage(observation, conversation_->frames()), options_.frame_limit_s);
+      FrameAnswer answer = ReadAnswer(line, observation.stamp_ns);
+      command_ = answer.command;
+      had_pose_ |= answer.frame.pose.has_value();
+      return answer.frame;
+    } catch (const Breakdown& e) {
+      Fail(fmt::format("at frame {}", frames_), e.what());
+    } catch (const BadInput& e) {
+      Fail(fmt::format("at frame {}", frames_), std::string("answered ") + e.what());
+    }
+  }
+  FrameEstimate none;
+  none.stamp_ns = observation.stamp_ns;
+  none.status = had_pose_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
+  return none;
+}
+
+FinalEstimate ProcessSystem::Finish() {
+  FinalEstimate answer;
+  if (conversation_) {
+    try {
+      answer = ReadFinal(conversation_->Ask(FinishMessage(), options_.finish_limit_s));
+      conversation_->End();
+    } catch (const Breakdown& e) {
+      Fail("at the end", e.what());
+    } catch (const BadInput& e) {
+      Fail("at the end", std::string("answered ") + e.what());
+    }
+    conversation_.reset();
+  }
+  if (!failure_.empty()) answer.failure = failure_;
+  return answer;
+}
+
+}  // namespace gaitcam

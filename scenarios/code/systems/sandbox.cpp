@@ -1,0 +1,101 @@
+#include "scenarios/code/systems/sandbox.h"
+
+#include <array>
+#include <cstdlib>
+
+#include "scenarios/code/systems/subprocess.h"
+
+namespace gaitcam {
+namespace fs = std::filesystem;
+namespace {
+
+/// Of the operating system: programs and libraries, and no data of users.
+constexpr std::array kSystemFolders = {"/usr",   "/bin", "/sbin", "/lib", "/lib32",
+                                       "/lib64", "/etc", "/opt",  "/nix", "/sys"};
+constexpr std::array kDevices = {"/dev/dri", "/dev/nvidia0", "/dev/nvidiactl", "/dev/nvidia-uvm"};
+
+bool IsBelow(const fs::path& path, const fs::path& folder) {
+  const fs::path relative = path.lexically_relative(folder);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+bool IsOfSystem(const fs::path& path) {
+  for (const char* folder : kSystemFolders) {
+    if (IsBelow(path, folder)) return true;
+  }
+  return false;
+}
+
+fs::path Home() {
+  const char* home = std::getenv("HOME");
+  return home == nullptr || *home != '/' ? fs::path() : fs::path(home).lexically_normal();
+}
+
+/// The installation of Python that a program is of (an environment, or a folder of pyenv's), if it is: without it
+/// the program finds none of its packages. Never the folder of a user's own files.
+fs::path PythonOf(const fs::path& program) {
+  const fs::path prefix = program.parent_path().parent_path();
+  if (prefix.empty() || prefix == Home() || prefix == "/") return {};
+  std::error_code ignored;
+  if (fs::exists(prefix / "pyvenv.cfg", ignored) || fs::exists(prefix / "conda-meta", ignored)) return prefix;
+  if (program.parent_path().filename() == "shims" && fs::exists(prefix / "versions", ignored)) return prefix;
+  if (prefix.parent_path().filename() == "versions" && program.filename().string().starts_with("python")) return prefix;
+  return {};
+}
+
+/// A program that is not of the system, with the Python that it needs and, where it is a link, its target.
+std::vector<fs::path> FilesOfProgram(const fs::path& program) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const fs::path& file : {fs::absolute(program).lexically_normal(), fs::weakly_canonical(program, ignored)}) {
+    if (IsOfSystem(file)) continue;
+    const fs::path python = PythonOf(file);
+    files.push_back(python.empty() ? file : python);
+  }
+  return files;
+}
+
+std::vector<std::string> BubblewrapWords() {
+  std::vector<std::string> words = {"bwrap",     "--unshare-all", "--die-with-parent", "--new-session",
+                                    "--proc",    "/proc",         "--dev",             "/dev",
+                                    "--tmpfs",   "/tmp"};
+  for (const char* folder : kSystemFolders) words.insert(words.end(), {"--ro-bind-try", folder, folder});
+  for (const char* device : kDevices) words.insert(words.end(), {"--dev-bind-try", device, device});
+  return words;
+}
+
+std::string TrySandbox() {
+  if (!FindProgram("bwrap")) return "bubblewrap is not installed";
+  std::vector<std::string> words = BubblewrapWords();
+  words.emplace_back("true");
+  Subprocess program(words, fs::path("/dev/null"));
+  constexpr double kLimit_s = 10;
+  const std::optional<Ending> ending = program.Wait(kLimit_s);
+  return ending && ending->ok() ? "" : "the kernel does not let bubblewrap make one";
+}
+
+}  // namespace
+
+const std::string& WhyNoSandbox() {
+  static const std::string why = TrySandbox();
+  return why;
+}
+
+std::vector<std::string> Sandboxed(const std::vector<std::string>& command, const SandboxView& view) {
+  std::vector<std::string> words = BubblewrapWords();
+  const auto show = [&](const char* how, const fs::path& path) {
+    words.insert(words.end(), {how, path.string(), path.string()});
+  };
+  if (const fs::path home = Home(); !home.empty() && home != "/" && !IsOfSystem(home)) {
+    words.insert(words.end(), {"--tmpfs", home.string()});
+    show("--ro-bind-try", home / ".local/lib");  // packages that pip installed for the user
+  }
+  for (const fs::path& file : FilesOfProgram(command.front())) show("--ro-bind-try", file);
+  for (const fs::path& path : view.readable) show("--ro-bind", path);
+  for (const fs::path& path : view.writable) show("--bind", path);
+  words.insert(words.end(), {"--chdir", view.folder.string(), "--"});
+  words.insert(words.end(), command.begin(), command.end());
+  return words;
+}
+
+}  // namespace gaitcam

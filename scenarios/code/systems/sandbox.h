@@ -1,0 +1,28 @@
+/// What somebody else's program may see and reach: the system's folders, its own files, and what it is handed; no truth,
+/// no cache, no earlier results, no network, no process of ours. By Debian's `bubblewrap`, where the kernel allows it.
+
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace gaitcam {
+
+struct SandboxView {
+  std::vector<std::filesystem::path> readable;  ///< Files and folders, at their own paths.
+  std::vector<std::filesystem::path> writable;  ///< Folders.
+  std::filesystem::path folder;                 ///< Working folder; one of the writable ones.
+};
+
+/// Why no sandbox can be made here, in a few words ("bubblewrap is not installed"); empty if one can.
+/// Found out by trying, once per process.
+const std::string& WhyNoSandbox();
+
+/// The words that run `command` in a sandbox: it sees /usr, /etc and the like read-only, an empty home and /tmp, the
+/// packages of the Python that it runs in, and `view`. It ends with us, and all that it started with it.
+/// @param command its first word is a path.
+/// @pre WhyNoSandbox().empty().
+std::vector<std::string> Sandboxed(const std::vector<std::string>& command, const SandboxView& view);
+
+}  // namespace gaitcam

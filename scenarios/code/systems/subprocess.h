@@ -1,0 +1,64 @@
+/// Another program, started with its words captured; it does not outlive us.
+
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gaitcam {
+
+/// How a program ended.
+struct Ending {
+  int code = 0;    ///< Exit code; -1 if a signal ended it.
+  int signal = 0;  ///< 0 unless a signal ended it.
+
+  bool ok() const { return code == 0; }
+  /// "exited with 3", "died of signal 11 (Segmentation fault)".
+  std::string ToText() const;
+};
+
+/// What a program starts with. Of our open files it inherits these alone.
+struct SubprocessStreams {
+  std::filesystem::path log;           ///< Receives standard error, and standard output unless that is given.
+  int input = -1;                      ///< Standard input; -1: empty.
+  int output = -1;                     ///< Standard output; -1: the log.
+  std::filesystem::path folder = {};   ///< Working folder; empty: ours.
+};
+
+class Subprocess {
+ public:
+  /// Starts a program, looked for in PATH unless its name has a "/". It leads a process group of its own: Ctrl-C is ours
+  /// to handle. It is killed when the starting thread dies. A program that cannot be started ends with code 127.
+  /// @throws MissingResource if no process can be made.
+  Subprocess(const std::vector<std::string>& command, const SubprocessStreams& streams);
+  Subprocess(const std::vector<std::string>& command, const std::filesystem::path& log)
+      : Subprocess(command, SubprocessStreams{log}) {}
+  /// Kills it if it still runs, with all that it started, process groups and sessions of their own included.
+  ~Subprocess();
+  Subprocess(Subprocess&& other) noexcept;
+  Subprocess& operator=(Subprocess&&) = delete;
+
+  /// How it ended, if it has. What it started and left behind is killed then.
+  std::optional<Ending> Poll();
+  /// Waits for its end. @returns nothing if the time is up first.
+  std::optional<Ending> Wait(double seconds);
+
+ private:
+  void KillDescendants() const;
+
+  pid_t child_ = 0;   ///< 0: ended, or moved from.
+  std::string mark_;  ///< In the environment of all that it starts.
+  std::optional<Ending> ending_;
+};
+
+/// The file of a program: the name itself if it has a "/", else the first in PATH. Nothing if it may not be executed.
+std::optional<std::filesystem::path> FindProgram(const std::string& name);
+
+/// The last line of a text file that is not blank; empty if there is none.
+std::string LastLine(const std::filesystem::path& file);
+
+}  // namespace gaitcam
