@@ -39,6 +39,7 @@ struct FinalEstimate {
   std::vector<FrameEstimate> frames;  ///< Those that it corrects, by their stamps; the others stand as they were given.
   std::vector<Map> maps;              ///< In the world of the poses; none of an odometry that keeps none.
   std::string failure;                ///< Why it stopped working, in one line; empty if it did not.
+  bool keyframes_only = false;        ///< It gives poses of its key frames and of no others.
 };
 
 /// All answers of one run, in frame order.
@@ -46,6 +47,7 @@ struct Estimate {
   std::vector<FrameEstimate> frames;
   std::vector<Map> maps;         ///< In the world of the poses.
   std::string failure;           ///< Why the system stopped working, in one line; empty if it did not.
+  bool keyframes_only = false;   ///< Frames between key frames have no pose: coverage counts the key frames' span.
   std::vector<double> track_ms;  ///< Wall time spent per frame; the one part that differs from run to run.
 
   /// The frames that have a pose.

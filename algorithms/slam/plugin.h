@@ -34,12 +34,12 @@ constexpr uint64_t PluginLayout() {
 }  // namespace gaitcam
 
 /// The two functions that the program looks for in the library.
-#define GAITCAM_SYSTEM_PLUGIN(Class, ...)                                                       \
-  extern "C" uint64_t gaitcam_plugin_layout() { return gaitcam::PluginLayout(); }               \
-  extern "C" const void* gaitcam_plugin() {                                                     \
-    static const gaitcam::SystemPlugin plugin{                                                  \
+#define GAITCAM_SYSTEM_PLUGIN(Class, ...)                                                        \
+  extern "C" uint64_t gaitcam_plugin_layout() { return gaitcam::PluginLayout(); }                \
+  extern "C" const void* gaitcam_plugin() {                                                      \
+    static const gaitcam::SystemPlugin plugin{                                                   \
         __VA_ARGS__, [](const gaitcam::SystemSetup& setup) -> std::unique_ptr<gaitcam::System> { \
-          return std::make_unique<Class>(setup);                                                \
-        }};                                                                                     \
-    return &plugin;                                                                             \
+          return std::make_unique<Class>(setup);                                                 \
+        }};                                                                                      \
+    return &plugin;                                                                              \
   }

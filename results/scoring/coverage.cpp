@@ -45,8 +45,10 @@ Coverage MeasureCoverage(const Estimate& estimate, const Trajectory& truth, cons
   c.time_to_first_pose_s = SecondsBetween(frame_stamps.front(), posed.front());
   for (const int64_t stamp : frame_stamps) {
     if (std::binary_search(posed.begin(), posed.end(), stamp)) continue;
-    ++(stamp < posed.front() ? c.initializing : c.lost);
+    const bool is_between = estimate.keyframes_only && stamp > posed.front() && stamp < posed.back();
+    if (!is_between) ++(stamp < posed.front() ? c.initializing : c.lost);
   }
+  if (estimate.keyframes_only) c.ratio = 1 - double(c.initializing + c.lost) / double(c.frames);
   return c;
 }
 

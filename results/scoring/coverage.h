@@ -25,6 +25,8 @@ struct Coverage {
   bool frames_known = false;
 };
 
+/// Of a system that gives poses of its key frames alone (Estimate::keyframes_only), frames between two of them count as
+/// covered.
 /// @param frame_stamps of all frames that the system was given, in order. Empty if they are unknown (two trajectory
 /// files are compared): then `ratio` is the part of the true time span in which successive pairs are no farther apart
 /// than 2.5 times their median distance.

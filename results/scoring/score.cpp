@@ -89,6 +89,10 @@ Scores ScoreEstimate(const Estimate& estimate, const Trajectory& truth, const st
   s.scores = Evaluate(PoseMetrics(options, coverage.frames_known), MeasurePoses(s, coverage, options));
   s.timing = ScoreTiming(estimate);
   AddRemarks(coverage, s);
+  if (estimate.keyframes_only) {
+    s.remarks.push_back(fmt::format("poses of {} key frames alone: coverage counts the frames between them",
+                                    coverage.tracked));
+  }
   return s;
 }
 

@@ -40,6 +40,7 @@ struct Arguments {
   RecordArguments record;
   FilmArguments film;
   TrackArguments track;
+  ServeArguments serve;
   ScoreArguments score;
   ScenarioArguments validate;
   CheckArguments check;
@@ -91,14 +92,28 @@ void AddFilm(CLI::App& app, Arguments& a) {
 void AddTrack(CLI::App& app, Arguments& a) {
   CLI::App* verb = app.add_subcommand("track", "run a SLAM system on a dataset folder, ours or anybody's");
   verb->add_option("dataset", a.track.dataset, "folder in TUM RGB-D or EuRoC ASL layout")->required();
-  verb->add_option("--system", a.track.system, "see `gaitcam list`")->capture_default_str();
+  verb->add_option("--system", a.track.system,
+                   "one of `gaitcam list`, a .so, a .yaml, or {process: [...]} and the like as in a scenario")
+      ->capture_default_str();
   verb->add_option("--set", a.track.sets, "setting of the system, e.g. ratio=0.7 (repeatable)")
       ->allow_extra_args(false)
-      ->type_name("NAME=NUMBER");
+      ->type_name("NAME=VALUE");
   verb->add_option("--seed", a.track.seed, "seed of the system's randomness")->capture_default_str();
   verb->add_option("--out", a.track.out, "trajectory file to write, TUM format (default: estimate-SYSTEM.txt)");
   AddAll(*verb, a.track.all);
-  verb->footer("Example:\n  gaitcam track datasets/walk --system sift_vo --out estimate.txt");
+  verb->footer(
+      "Examples:\n"
+      "  gaitcam track datasets/walk --system sift_vo --out estimate.txt\n"
+      "  gaitcam track datasets/walk --system ./libmy_slam.so\n"
+      "  gaitcam track datasets/walk --system '{process: [python3, my_slam.py]}'");
+}
+
+/// Hidden: what is started for a shared library.
+void AddServe(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("serve", "a system that answers line by line")->group("");
+  verb->add_option("system", a.serve.system, "one of ours");
+  verb->add_option("--plugin", a.serve.plugin, "a shared library");
+  verb->add_flag("--info", a.serve.info, "print what its system is");
 }
 
 void AddScore(CLI::App& app, Arguments& a) {
@@ -208,6 +223,7 @@ int Dispatch(const CLI::App& app, Arguments& a) {
   if (app.got_subcommand("record")) return RecordCommand(a.record, a.common);
   if (app.got_subcommand("film")) return FilmCommand(a.film, a.common);
   if (app.got_subcommand("track")) return TrackCommand(a.track, a.common);
+  if (app.got_subcommand("serve")) return ServeCommand(a.serve);
   if (app.got_subcommand("score")) return ScoreCommand(a.score, a.common);
   if (app.got_subcommand("experiment")) return RunExperiment(*app.get_subcommand("experiment"));
   if (app.got_subcommand("features")) throw BadInput("features: is now gaitcam experiment features");
@@ -236,6 +252,7 @@ int CommandLine(int argc, char** argv) {
   AddRecord(app, a);
   AddFilm(app, a);
   AddTrack(app, a);
+  AddServe(app, a);
   AddScore(app, a);
   AddExperiment(app);
   AddStudy(app, a);

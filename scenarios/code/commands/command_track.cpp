@@ -9,66 +9,83 @@
 #include "results/scoring/score_text.h"
 #include "scenarios/code/commands/commands.h"
 #include "scenarios/code/commands/summary.h"
-#include "scenarios/code/files/scenario.h"
 #include "scenarios/code/files/system_needs.h"
 #include "scenarios/code/runs/interrupt.h"
 #include "scenarios/code/runs/progress.h"
-#include "scenarios/code/runs/tracking_thread.h"
+#include "scenarios/code/runs/tracking.h"
+#include "scenarios/code/systems/chosen_system.h"
 
 namespace gaitcam {
+namespace fs = std::filesystem;
 namespace {
 
-SystemSettings SettingsOf(const std::vector<std::string>& assignments) {
-  OptionValue node = ParseYaml("", "settings");
-  for (const std::string& assignment : assignments) SetOption(node, assignment);
-  return ReadSettings(node);
+/// `--system` is a name, a map as under `system:` of a scenario, a shared library, or a YAML file that holds such a
+/// map.
+SystemChoice ChoiceOf(const TrackArguments& arguments) {
+  const bool is_file = arguments.system.ends_with(".yaml");
+  OptionValue root = is_file ? OptionValue::Map({{"system", {}, LoadYaml(arguments.system)}}, {})
+                             : ParseYaml("system: " + arguments.system, "--system");
+  if (!arguments.sets.empty() && root.Child("system").IsScalar()) {
+    root.Set("system", OptionValue::Map({{"name", {}, root.Child("system")}}, {}));
+  }
+  for (const std::string& assignment : arguments.sets) SetOption(root, "system." + assignment);
+  SystemChoice choice;
+  ReadOption(root.Child("system"), choice);
+  ResolveFiles(root.Child("system"), is_file ? fs::path(arguments.system).parent_path() : fs::path(), choice);
+  return choice;
 }
 
 /// Scores the estimate if the truth lies beside the dataset; else nothing.
-std::optional<Scores> ScoreAgainstTruthBeside(const Estimate& estimate, const std::filesystem::path& sensors) {
-  const std::filesystem::path truth = sensors.string() + "-truth/groundtruth.txt";
-  if (!std::filesystem::exists(truth)) return std::nullopt;
+/// @throws TooLittleData, which says so if the system failed.
+std::optional<Scores> ScoreAgainstTruthBeside(const Estimate& estimate, const fs::path& sensors,
+                                              const std::string& system) {
+  const fs::path truth = sensors.string() + "-truth/groundtruth.txt";
+  if (!fs::exists(truth)) return std::nullopt;
   std::vector<int64_t> stamps;
   for (const FrameEstimate& frame : estimate.frames) stamps.push_back(frame.stamp_ns);
-  return ScoreEstimate(estimate, ReadTrajectory(truth).trajectory, stamps, {});
+  try {
+    return ScoreEstimate(estimate, ReadTrajectory(truth).trajectory, stamps, {});
+  } catch (const TooLittleData&) {
+    if (estimate.failure.empty()) throw;
+    throw TooLittleData(system + " failed: " + estimate.failure);
+  }
+}
+
+void PrintOutcome(const TrackArguments& arguments, const Estimate& estimate, const std::optional<Scores>& scores,
+                  const fs::path& out, const std::string& system) {
+  if (scores) fmt::print("{}\n", SummaryText(*scores, {}, arguments.all));
+  fmt::print("estimate: {} ({} of {} frames have a pose)\n", out.string(), estimate.ToTrajectory().size(),
+             estimate.frames.size());
+  if (!estimate.failure.empty()) fmt::print("\n{} FAILED: {}\n", system, estimate.failure);
 }
 
 }  // namespace
 
 int TrackCommand(const TrackArguments& arguments, const CommonOptions& common) {
-  const std::filesystem::path sensors = FindDataset(arguments.dataset);
+  const fs::path sensors = FindDataset(arguments.dataset);
+  const SystemChoice choice = ChoiceOf(arguments);
   DatasetReader reader(sensors);
-  if (const auto lack = LackInDataset(InfoOfSystem(arguments.system), reader.calibration(), sensors))
-    throw BadInput(*lack);
+  if (const auto lack = LackInDataset(InfoOf(choice), reader.calibration(), sensors)) throw BadInput(*lack);
+  const fs::path out = arguments.out.empty() ? fs::path("estimate-" + choice.name + ".txt") : arguments.out;
   const InterruptGuard guard;
   TrackingThread tracker(
-      MakeSystem(arguments.system, {reader.calibration(), arguments.seed, SettingsOf(arguments.sets)}));
+      MakeSystem(choice, {reader.calibration(), arguments.seed, choice.settings}, fs::absolute(out).parent_path()));
   Progress progress("tracking " + sensors.filename().string(), reader.frames(), common.quiet);
-  int64_t frames = 0;
-  while (!guard.Interrupted()) {
-    std::optional<Observation> observation = reader.Next();
-    if (!observation) break;
-    tracker.Push(std::move(*observation));
-    progress.Update(++frames);
-  }
-  const Estimate estimate = tracker.Finish();
+  const Estimate estimate = TrackRecorded(
+      reader, tracker, [&] { return guard.Interrupted(); }, [&](int64_t frames) { progress.Update(frames); });
   progress.Finish();
-  const std::filesystem::path out =
-      arguments.out.empty() ? std::filesystem::path("estimate-" + arguments.system + ".txt") : arguments.out;
   WriteTrajectory(out, estimate.ToTrajectory(), TrajectoryFormat::kTum);
   WriteCovariances(CovarianceFileOf(out), estimate.frames);
   if (guard.Interrupted()) {
-    fmt::print(stderr, "gaitcam: interrupted after {} of {} frames; their estimate: {}\n", frames, reader.frames(),
-               out.string());
+    fmt::print(stderr, "gaitcam: interrupted after {} of {} frames; their estimate: {}\n", estimate.frames.size(),
+               reader.frames(), out.string());
     return 130;
   }
-  const std::optional<Scores> scores = ScoreAgainstTruthBeside(estimate, sensors);
+  const std::optional<Scores> scores = ScoreAgainstTruthBeside(estimate, sensors, choice.name);
   if (common.json) {
     fmt::print("{}", scores ? ScoresToJson(*scores) : "{}\n");
   } else if (!common.quiet) {
-    if (scores) fmt::print("{}\n", SummaryText(*scores, {}, arguments.all));
-    fmt::print("estimate: {} ({} of {} frames have a pose)\n", out.string(), estimate.ToTrajectory().size(), frames);
-    if (!estimate.failure.empty()) fmt::print("\n{} FAILED: {}\n", arguments.system, estimate.failure);
+    PrintOutcome(arguments, estimate, scores, out, choice.name);
   }
   return 0;
 }

@@ -56,13 +56,21 @@ int FilmCommand(const FilmArguments& arguments, const CommonOptions& common);
 
 struct TrackArguments {
   std::filesystem::path dataset;
-  std::string system = "sift_vo";
-  std::vector<std::string> sets;  ///< name=number, settings of the system.
+  std::string system = "sift_vo";  ///< As under `system:` of a scenario; a .so, or a .yaml that holds such a map.
+  std::vector<std::string> sets;   ///< name=value, settings of the system.
   uint64_t seed = 1;
   std::filesystem::path out;  ///< Trajectory file (TUM); empty: estimate-SYSTEM.txt in the working folder.
   bool all = false;           ///< Print all scores.
 };
 int TrackCommand(const TrackArguments& arguments, const CommonOptions& common);
+
+/// Answers the lines of frame_protocol.h; started for a shared library, not meant to be typed.
+struct ServeArguments {
+  std::string system;            ///< One of ours, or
+  std::filesystem::path plugin;  ///< a shared library.
+  bool info = false;             ///< Prints what is known of the library's system and ends.
+};
+int ServeCommand(const ServeArguments& arguments);
 
 struct ScoreArguments {
   std::filesystem::path estimate, truth;

@@ -130,13 +130,22 @@ Schema SchemaOf(const std::map<std::string, double>&) {
   return {{"type", "object"}, {"additionalProperties", {{"type", "number"}}}};
 }
 
+Schema SchemaOf(const SystemSettings&) { return {{"type", "object"}, {"additionalProperties", SettingSchema()}}; }
+
 Schema SchemaOf(const SystemChoice&) {
   Schema names{{"enum", Schema::array()}};
   for (const SystemInfo& system : ListSystems()) names["enum"].push_back(system.name);
-  Schema external = SchemaOf(ExternalCommand());
-  external["properties"]["command"]["minItems"] = 1;
-  external["required"] = {"command"};
-  return {{"anyOf", {names, NamedSystemSchema(), external}}};
+  const auto foreign = [](Schema schema, const char* key) {
+    schema["required"] = {key};
+    if (schema["properties"][key]["type"] == "array") schema["properties"][key]["minItems"] = 1;
+    return schema;
+  };
+  Schema plugin = foreign(SchemaOf(PluginChoice()), "plugin");
+  plugin["properties"]["name"] = {{"type", "string"}};
+  plugin["additionalProperties"] = SettingSchema();
+  return {{"anyOf",
+           {names, NamedSystemSchema(), plugin, foreign(SchemaOf(ProcessChoice()), "process"),
+            foreign(SchemaOf(CommandChoice()), "command")}}};
 }
 
 /// Absent numbers come from the preset, so the members' defaults are not shown.

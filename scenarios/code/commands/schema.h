@@ -35,6 +35,7 @@ Schema SchemaOf(const std::string&);
 Schema SchemaOf(const Eigen::Vector2d&);
 Schema SchemaOf(const Eigen::Vector3d&);
 Schema SchemaOf(const std::map<std::string, double>&);
+Schema SchemaOf(const SystemSettings&);
 Schema SchemaOf(const SystemChoice&);
 Schema SchemaOf(const GaitChoice&);
 Schema SchemaOf(const PersonOptions&);

@@ -1,88 +1,17 @@
 #include "scenarios/code/files/scenario.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <set>
-#include <sstream>
 
 #include "algorithms/io/checksum.h"
 #include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
 #include "scenarios/code/files/folders.h"
 #include "scenarios/code/files/system_needs.h"
+#include "scenarios/code/systems/chosen_system.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
-
-namespace {
-
-void AddSettings(const OptionValue& node, const std::string& prefix, SystemSettings& settings) {
-  for (const auto& entry : node.entries()) {
-    const OptionValue child = node.Child(entry.key);
-    if (child.IsMap()) {
-      AddSettings(child, prefix + entry.key + ".", settings);
-    } else if (!prefix.empty() || entry.key != "name") {
-      if (!child.IsScalar()) child.Fail("expected a number or a word");
-      settings[prefix + entry.key] = OptionValue(child.text());  // the system's errors name it, not the file
-    }
-  }
-}
-
-void WriteSetting(YAML::Emitter& out, const OptionValue& value) {
-  if (const std::optional<double> number = value.AsNumber()) {
-    WriteYaml(out, *number);
-  } else {
-    WriteYaml(out, value.text());
-  }
-}
-
-}  // namespace
-
-SystemSettings ReadSettings(const OptionValue& node) {
-  SystemSettings settings;
-  AddSettings(node, "", settings);
-  return settings;
-}
-
-void ReadOption(const OptionValue& node, SystemChoice& value) {
-  if (node.IsScalar()) {
-    ReadOption(node, value.name);
-    return;
-  }
-  if (!node.IsMap()) node.Fail("expected the name of a system, or a map {name: ..., setting: ...}");
-  value.external.reset();
-  if (node.Has("command")) {
-    ReadOption(node, value.external.emplace());
-    const std::vector<std::string>& command = value.external->command;
-    if (command.empty() || command.front().empty()) node.Child("command").Fail("expected a program and its arguments");
-    if (value.external->name.empty()) value.external->name = fs::path(command.front()).stem().string();
-    value.name = value.external->name;
-    value.settings.clear();
-    return;
-  }
-  if (!node.Has("name")) node.Fail("expected the key `name` beside the settings, or `command`");
-  ReadOption(node.Child("name"), value.name);
-  value.settings = ReadSettings(node);
-}
-
-void WriteYaml(YAML::Emitter& out, const SystemChoice& value) {
-  if (value.external) {
-    WriteYaml(out, *value.external);
-    return;
-  }
-  if (value.settings.empty()) {
-    WriteYaml(out, value.name);
-    return;
-  }
-  out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << value.name;
-  for (const auto& [key, setting] : value.settings) {
-    out << YAML::Key << key << YAML::Value;
-    WriteSetting(out, setting);
-  }
-  out << YAML::EndMap;
-}
 
 namespace {
 
@@ -92,31 +21,6 @@ std::string ResolvePath(const std::string& name_or_path, const fs::path& folder)
   if (!is_path || fs::path(name_or_path).is_absolute()) return name_or_path;
   const fs::path beside = folder / name_or_path;
   return fs::exists(beside) ? fs::absolute(beside).lexically_normal().string() : name_or_path;
-}
-
-/// A program with a "/" in its name is looked for beside the file, any other in PATH. Fails where it is not.
-void ResolveExternal(const OptionValue& root, ExternalCommand& external) {
-  const OptionValue command = root.Child("system").Child("command");
-  for (const char* needed : {"{dataset}", "{output}"}) {
-    const auto has = [&](const std::string& word) { return word.find(needed) != std::string::npos; };
-    if (std::none_of(external.command.begin(), external.command.end(), has)) {
-      command.Fail(std::string("expected ") + needed + " in one of the arguments");
-    }
-  }
-  std::string& program = external.command.front();
-  if (program.find('/') != std::string::npos) {
-    program = ResolvePath(program, root.folder());
-    if (access(program.c_str(), X_OK) != 0 || fs::is_directory(program)) {
-      command.Element(0).Fail(program + ": there is no such program, or it may not be executed");
-    }
-    return;
-  }
-  const char* path = std::getenv("PATH");
-  std::stringstream folders(path ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return;
-  }
-  command.Element(0).Fail(program + ": there is no such program in PATH; one beside this file is written ./" + program);
 }
 
 /// What was read before, if there is a shelf.
@@ -210,18 +114,16 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     if (const auto problem = FindProblem(*scenario.localisation, resolved.scene))
       FailAtSetting(root.Child("localisation"), problem->key, problem->text);
   }
-  if (scenario.system.external) {
-    ResolveExternal(root, *scenario.system.external);
-    return resolved;
-  }
+  const OptionValue system = root.Has("system") ? root.Child("system") : root;
+  ResolveFiles(system, root.folder(), scenario.system);
   try {
     Calibration calibration = CameraRig(scenario.camera, scenario.seed).MakeCalibration();
     calibration.imu.rate_hz = scenario.sensors.imu_rate_hz;
     calibration.standing.emplace();  // the robot will tell; here it only matters that it can
-    if (const std::optional<std::string> lack = LackInScenario(InfoOfSystem(scenario.system.name), calibration)) {
-      (root.Has("system") ? root.Child("system") : root).Fail(*lack);
+    if (const std::optional<std::string> lack = LackInScenario(InfoOf(scenario.system), calibration)) {
+      system.Fail(*lack);
     }
-    MakeSystem(scenario.system.name, {calibration, scenario.seed, scenario.system.settings});
+    CheckSettings(scenario.system, calibration);
   } catch (const BadInput& e) {
     FailAtSystem(root, e.what());
   }
@@ -254,9 +156,8 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
       scenario.localisation->wavelet = {};
       scenario.localisation->heat_maps = 0;
     }
-  } else if (scenario.system.external) {
-    std::string& program = scenario.system.external->command.front();
-    program = fs::path(program).filename().string();
+  } else {
+    scenario.system = WithoutFolders(scenario.system);
   }
   YAML::Emitter out;
   WriteYaml(out, scenario);

@@ -10,24 +10,18 @@
 #include <vector>
 
 #include "algorithms/core/option_reader.h"
-#include "algorithms/io/dataset_layout.h"
-#include "algorithms/io/trajectory_file.h"
-#include "algorithms/slam/system.h"
 #include "models/code/robots/gait.h"
 #include "models/code/robots/robot.h"
 #include "models/code/scenes/scene.h"
 #include "results/scoring/score.h"
 #include "scenarios/code/files/localisation_options.h"
+#include "scenarios/code/systems/system_choice.h"
 #include "sim/camera/camera_rig.h"
 #include "sim/sensors/sensors.h"
 #include "sim/walking/head_scan.h"
 #include "sim/walking/omni_drive.h"
 #include "sim/walking/path.h"
 #include "sim/world/world.h"
-
-namespace YAML {
-class Emitter;
-}
 
 namespace gaitcam {
 
@@ -43,35 +37,6 @@ void VisitFields(Visitor& visit, GaitChoice& o) {
   visit("preset", o.preset, AnyText(), "a preset of the robot: slow, normal, brisk, or one of its own");
   VisitFields(visit, o.options);
 }
-
-/// Somebody else's SLAM: any executable that reads a dataset folder and writes a trajectory file.
-struct ExternalCommand {
-  using DescribedTag = void;
-  std::vector<std::string> command;
-  DatasetFormat dataset = DatasetFormat::kTum;
-  TrajectoryFormat format = TrajectoryFormat::kTum;
-  double time_limit_s = 600;
-  std::string name;
-};
-
-template <class Visitor>
-void VisitFields(Visitor& visit, ExternalCommand& o) {
-  visit("command", o.command, Nested(),
-        "program and arguments; {dataset}, {output}, {calibration}, {seed} are filled in. A program with a / is looked "
-        "for beside the scenario file first");
-  visit("dataset", o.dataset, EnumWords<DatasetFormat>(), "layout of the dataset folder that it reads");
-  visit("format", o.format, EnumWords<TrajectoryFormat>(), "of the trajectory that it writes");
-  visit("time_limit_s", o.time_limit_s, Between(0.1, 1e6), "then it is killed, with all that it started");
-  visit("name", o.name, AnyText(), "as scores and tables call it; the program's name unless given");
-}
-
-/// `system:` a name, or a map of a name and settings: `{name: mobif_vo, feature: akaze, ratio: 0.8}`, or an executable:
-/// `{command: [./my_slam, "{dataset}", "{output}"], format: tum}`.
-struct SystemChoice {
-  std::string name = "sift_vo";
-  SystemSettings settings;
-  std::optional<ExternalCommand> external;  ///< Then `name` is its name and there are no settings.
-};
 
 /// `handicap:` makes the system worse on purpose, to prove that a gate catches it. The defaults change nothing.
 struct HandicapOptions {
@@ -91,13 +56,6 @@ void VisitFields(Visitor& visit, HandicapOptions& o) {
   visit("focal_factor", o.focal_factor, Between(0.1, 10),
         "the system is told a focal length that is off by this factor");
 }
-
-/// The settings that a map has beside its key `name`. A setting within a group is named with a dot, whether it is
-/// written `{matching.ratio: 0.8}` or `{matching: {ratio: 0.8}}`.
-/// @throws BadInput for a list.
-SystemSettings ReadSettings(const OptionValue& node);
-void ReadOption(const OptionValue& node, SystemChoice& value);
-void WriteYaml(YAML::Emitter& out, const SystemChoice& value);
 
 /// `video:` the short film that goes with a report.
 struct ReportFilmOptions {
@@ -160,7 +118,9 @@ void VisitFields(Visitor& visit, Scenario& o) {
   visit("sensors", o.sensors, Nested(), "IMU, encoders");
   visit("scan", o.scan, Nested(), "how the robot looks all around when its system asks for it");
   visit("localisation", o.localisation, Nested(), "`run` recognises places on a grid instead of walking");
-  visit("system", o.system, Nested(), "SLAM system: a name, or {name: ..., setting: ...}");
+  visit("system", o.system, Nested(),
+        "SLAM system: a name, {name: ..., setting: ...}, or somebody else's: {plugin: ...}, {process: ...}, {command: "
+        "...}");
   visit("system_seed", o.system_seed, Nested(), "randomness of the SLAM system alone; absent: as seed");
   visit("handicap", o.handicap, Nested(), "makes the system worse on purpose, to prove a gate");
   visit("score", o.score, Nested(), "association and alignment");

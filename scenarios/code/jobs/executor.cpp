@@ -41,10 +41,11 @@ std::vector<const WorkItem*> PrepareItems(const std::vector<WorkItem>& items, co
   std::set<std::string> seen;
   for (const WorkItem& item : items) {
     if (!seen.insert(item.hash).second) continue;
-    if (FindJob(options.runs, item.hash, item.programs)) {
+    if (item.is_reusable && FindJob(options.runs, item.hash, item.programs)) {
       ++outcome.reused;
       continue;
     }
+    fs::remove_all(options.runs / item.hash);
     RemoveUnfinished(options.runs / item.hash);
     WriteTextFile(PlanOf(options.runs, item.hash), item.scenario_yaml);
     todo.push_back(&item);
@@ -104,8 +105,12 @@ void Execute(const std::vector<WorkItem>& items, const ExecutorOptions& options,
 }  // namespace
 
 WorkItem WorkItemOf(const ResolvedScenario& resolved, const std::string& label, const fs::path& program) {
-  return {HashOf(resolved), FramesHashOf(resolved), resolved.ToYaml(), ProgramsFingerprint(resolved.scenario, program),
-          label};
+  return {HashOf(resolved),
+          FramesHashOf(resolved),
+          resolved.ToYaml(),
+          ProgramsFingerprint(resolved.scenario, program),
+          label,
+          IsFingerprintComplete(resolved.scenario.system)};
 }
 
 ExecutorOutcome ExecuteLocally(const std::vector<WorkItem>& items, const ExecutorOptions& given) {

@@ -20,6 +20,7 @@ struct WorkItem {
   std::string scenario_yaml;  ///< Resolved.
   std::string programs;       ///< ProgramsFingerprint: a run finished by other programs is repeated.
   std::string label;          ///< Readable: "exposure_ms=20, sift_vo, seed 3".
+  bool is_reusable = true;    ///< False: more than `programs` may decide the result, so that it is always run again.
 };
 
 /// @param program the gaitcam executable that carries it out.

@@ -14,11 +14,11 @@
 #include "algorithms/io/trajectory_file.h"
 #include "results/scoring/score_text.h"
 #include "scenarios/code/files/versions.h"
-#include "scenarios/code/runs/live_tracking.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/run_scores.h"
 #include "scenarios/code/runs/runner.h"
 #include "scenarios/code/runs/tracked_system.h"
+#include "scenarios/code/runs/tracking.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -84,11 +84,8 @@ std::optional<TrackedWalk> TrackCached(const ResolvedScenario& resolved, const f
   TrackedWalk walk;
   DatasetReader reader(sequence->folders.sensors);
   TrackingThread tracker(MakeTrackedSystem(resolved.scenario, reader.calibration(), folder));
-  while (std::optional<Observation> observation = reader.Next()) {
-    if (options.interrupted()) return std::nullopt;
-    tracker.Push(std::move(*observation));
-  }
-  walk.estimate = tracker.Finish();
+  walk.estimate = TrackRecorded(reader, tracker, options.interrupted);
+  if (options.interrupted()) return std::nullopt;
   walk.truth = sequence->Truth();
   for (const FrameTruth& frame : sequence->ReadFrames()) {
     walk.stamps.push_back(frame.stamp_ns);
@@ -147,9 +144,8 @@ std::string TrackingCsv(const Estimate& estimate) {
 
 std::string ProgramsFingerprint(const Scenario& scenario, const fs::path& program) {
   const std::string ours = program == "/proc/self/exe" ? ProgramFingerprint() : Sha256OfFile(program);
-  if (!scenario.system.external) return ours;
-  const fs::path theirs = scenario.system.external->command.front();
-  return ours + (fs::is_regular_file(theirs) ? "+" + Sha256OfFile(theirs) : "");
+  const std::string theirs = FingerprintOf(scenario.system);
+  return theirs.empty() ? ours : ours + "+" + theirs;
 }
 
 bool RunJob(const ResolvedScenario& resolved, const JobOptions& options) {

@@ -43,14 +43,14 @@ struct JobOptions {
 /// @returns false if it was interrupted. @throws BadInput, MissingResource.
 bool RunJob(const ResolvedScenario& resolved, const JobOptions& options);
 
-/// A finished run of this program and, if its system is an executable, of that executable, both by fingerprint.
+/// A finished run of this program and of somebody else's system as it is now, both by fingerprint.
 /// @returns nothing if there is none. @throws BadInput if its files are damaged.
 std::optional<JobRecord> FindJob(const std::filesystem::path& runs, const ResolvedScenario& resolved);
 std::optional<JobRecord> FindJob(const std::filesystem::path& runs, const std::string& hash,
                                  const std::string& program_fingerprint);
 
-/// SHA-256 of what a run depends on besides its scenario: this program (or the one named) and the system's executable
-/// if it has one.
+/// SHA-256 of what a run depends on besides its scenario: this program (or the one named) and the files of somebody
+/// else's system.
 std::string ProgramsFingerprint(const Scenario& scenario, const std::filesystem::path& program = "/proc/self/exe");
 
 }  // namespace gaitcam

@@ -12,13 +12,14 @@
 #include "results/scoring/score_text.h"
 #include "results/scoring/statistics.h"
 #include "scenarios/code/files/versions.h"
-#include "scenarios/code/runs/live_tracking.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/place_views.h"
 #include "scenarios/code/runs/progress.h"
 #include "scenarios/code/runs/run_log.h"
 #include "scenarios/code/runs/run_scores.h"
 #include "scenarios/code/runs/tracked_system.h"
+#include "scenarios/code/runs/tracking.h"
+#include "scenarios/code/systems/chosen_system.h"
 
 namespace gaitcam {
 namespace {
@@ -175,6 +176,9 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   report.video_file = report.video_poster.empty() ? "" : "walk.mp4";
   report.resolved_scenario = resolved.ToYaml();
   report.facts = RunFacts(scenario.seed);
+  if (const std::string sandbox = SandboxOf(scenario.system); !sandbox.empty()) {
+    report.facts.emplace_back("sandbox of the system", sandbox);
+  }
 
   WriteTrajectory(folder.path() / "estimate.txt", estimate.ToTrajectory(), TrajectoryFormat::kTum);
   WriteCovariances(folder.path() / "covariances.csv", estimate.frames);

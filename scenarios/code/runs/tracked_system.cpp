@@ -1,7 +1,7 @@
 #include "scenarios/code/runs/tracked_system.h"
 
-#include "scenarios/code/runs/external_system.h"
 #include "scenarios/code/runs/handicap.h"
+#include "scenarios/code/systems/chosen_system.h"
 
 namespace gaitcam {
 
@@ -9,18 +9,11 @@ std::unique_ptr<System> MakeTrackedSystem(const Scenario& scenario, const Calibr
                                           const std::filesystem::path& folder) {
   const SystemSetup setup{FalsifiedCalibration(calibration, scenario.handicap),
                           scenario.system_seed.value_or(scenario.seed), scenario.system.settings};
-  std::unique_ptr<System> system;
-  if (scenario.system.external) {
-    system = std::make_unique<ExternalSystem>(*scenario.system.external, setup, folder / "system.log");
-  } else {
-    system = MakeSystem(scenario.system.name, setup);
-  }
+  std::unique_ptr<System> system = MakeSystem(scenario.system, setup, folder);
   if (!IsHandicap(scenario.handicap)) return system;
   return std::make_unique<HandicappedSystem>(std::move(system), scenario.handicap, setup.seed);
 }
 
-bool ActsOnBody(const Scenario& scenario) {
-  return !scenario.system.external && InfoOfSystem(scenario.system.name).acts;
-}
+bool ActsOnBody(const Scenario& scenario) { return InfoOf(scenario.system).acts; }
 
 }  // namespace gaitcam

@@ -1,5 +1,4 @@
-/// The SLAM system that a scenario names, ready to be given frames: one of ours, or somebody's executable; with its
-/// handicap, if it has one.
+/// The SLAM system that a scenario names, ready to be given frames, whoever's it is; with its handicap, if it has one.
 
 #pragma once
 
@@ -11,7 +10,7 @@
 namespace gaitcam {
 
 /// @param calibration as the rig has it; a handicap may falsify what the system is told of it.
-/// @param folder where an executable's captured output goes (system.log); it must exist.
+/// @param folder where the captured output of somebody else's goes (system.log); it must exist.
 /// @throws BadInput, BadOption as MakeSystem does.
 std::unique_ptr<System> MakeTrackedSystem(const Scenario& scenario, const Calibration& calibration,
                                           const std::filesystem::path& folder);

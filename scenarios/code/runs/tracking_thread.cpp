@@ -39,6 +39,7 @@ void TrackingThread::Run() {
     for (double& ms : estimate_.track_ms) ms += share_ms;  // Finish() works on all frames
     estimate_.maps = std::move(last.maps);
     estimate_.failure = std::move(last.failure);
+    estimate_.keyframes_only = last.keyframes_only;
   } catch (...) {
     failure_ = std::current_exception();
     queue_.Close();

@@ -1,25 +1,31 @@
-#include "scenarios/code/runs/external_system.h"
+#include "scenarios/code/systems/command_system.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <map>
+#include <sstream>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/dataset_writer.h"
 #include "algorithms/io/trajectory_file.h"
+#include "scenarios/code/systems/sandbox.h"
 #include "scenarios/code/systems/subprocess.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
 
-/// The folder that the executable is given, and where its output is expected; removed at the end.
-class ExternalSystem::Dataset {
+/// The folder that the program is given, and the one where its output is expected; both removed at the end.
+class CommandSystem::Dataset {
  public:
   Dataset(DatasetFormat format, const Calibration& calibration) : format_(format), folder_(MakeFolder()) {
     DatasetWriterOptions options;
     options.format = format;
     writer_.emplace(DatasetFolders{sensors(), folder_ / "none"}, calibration, options);
+    fs::create_directory(answers());
   }
   ~Dataset() {
     writer_.reset();
@@ -29,7 +35,8 @@ class ExternalSystem::Dataset {
 
   DatasetWriter& writer() { return *writer_; }
   fs::path sensors() const { return folder_ / "dataset"; }
-  fs::path output() const { return folder_ / "estimate.txt"; }
+  fs::path answers() const { return folder_ / "answers"; }
+  fs::path output() const { return answers() / "estimate.txt"; }
   /// After the last frame: gives the folder its name.
   void Finish() {
     writer_->Finish("finished");
@@ -70,6 +77,10 @@ std::string PlaceByRow(const Trajectory& trajectory, std::vector<FrameEstimate>&
   return {};
 }
 
+DatasetFormat LayoutFor(const CommandChoice& command) {
+  return command.interface == CommandInterface::kVslamlab ? DatasetFormat::kVslamlab : command.dataset;
+}
+
 int64_t HalfInterval(const std::vector<FrameEstimate>& frames) {
   int64_t least = 1000000000;
   for (size_t i = 1; i < frames.size(); ++i) least = std::min(least, frames[i].stamp_ns - frames[i - 1].stamp_ns);
@@ -106,15 +117,17 @@ void PlaceByStamp(const Trajectory& trajectory, int64_t max_difference_ns, std::
   }
 }
 
-ExternalSystem::ExternalSystem(const ExternalCommand& command, const SystemSetup& setup, const fs::path& log)
+CommandSystem::CommandSystem(const CommandChoice& command, const std::vector<fs::path>& readable,
+                             const SystemSetup& setup, const fs::path& log)
     : command_(command),
+      readable_(readable),
       seed_(setup.seed),
       log_(log),
-      dataset_(std::make_unique<Dataset>(command.dataset, setup.calibration)) {}
+      dataset_(std::make_unique<Dataset>(LayoutFor(command), setup.calibration)) {}
 
-ExternalSystem::~ExternalSystem() = default;
+CommandSystem::~CommandSystem() = default;
 
-FrameEstimate ExternalSystem::Track(const Observation& observation) {
+FrameEstimate CommandSystem::Track(const Observation& observation) {
   dataset_->writer().Add(observation, std::nullopt);
   FrameEstimate answer;
   answer.stamp_ns = observation.stamp_ns;
@@ -122,35 +135,54 @@ FrameEstimate ExternalSystem::Track(const Observation& observation) {
   return answer;
 }
 
-FinalEstimate ExternalSystem::Finish() {
+FinalEstimate CommandSystem::Finish() {
   dataset_->Finish();
   FinalEstimate answer;
   answer.frames = Run();
+  answer.keyframes_only = command_.interface == CommandInterface::kVslamlab;
   answer.failure = failure_;
   dataset_.reset();
   return answer;
 }
 
-std::vector<FrameEstimate> ExternalSystem::Run() {
-  Subprocess program(FillPlaceholders(command_.command, dataset_->sensors(), dataset_->output(), seed_), log_);
+std::vector<std::string> CommandSystem::Words() const {
+  std::vector<std::string> words = FillPlaceholders(command_.command, dataset_->sensors(), dataset_->output(), seed_);
+  if (command_.interface == CommandInterface::kVslamlab) {
+    words = AddVslamlabArguments(words, dataset_->sensors(), dataset_->answers(), command_.mode);
+  }
+  if (!WhyNoSandbox().empty()) return words;
+  SandboxView view{readable_, {dataset_->answers()}, dataset_->answers()};
+  view.readable.push_back(dataset_->sensors());
+  return Sandboxed(words, view);
+}
+
+std::vector<FrameEstimate> CommandSystem::Run() {
+  Subprocess program(Words(), SubprocessStreams{log_, -1, -1, dataset_->answers()});
   const std::optional<Ending> ending = program.Wait(command_.time_limit_s);
+  const std::string said = LastLine(log_);
   if (!ending) {
     failure_ = fmt::format("did not end within {:g} s", command_.time_limit_s);
-    return frames_;
-  }
-  if (!ending->ok()) {
-    const std::string said = LastLine(log_);
+  } else if (!ending->ok()) {
     failure_ = ending->ToText() + (said.empty() ? "" : ": " + said);
-    return frames_;
+  } else {
+    ReadAnswer();
   }
-  if (!fs::exists(dataset_->output())) {
+  return frames_;
+}
+
+void CommandSystem::ReadAnswer() {
+  const bool key_frames = command_.interface == CommandInterface::kVslamlab;
+  if (!key_frames && !fs::exists(dataset_->output())) {
     failure_ = "wrote no trajectory to {output}";
-    return frames_;
+    return;
   }
   try {
-    const TrajectoryFormat format = command_.format;
-    const Trajectory trajectory = ReadTrajectory(dataset_->output(), format).trajectory;
-    if (format == TrajectoryFormat::kKitti) {
+    if (key_frames) {
+      PlaceByStamp(ReadKeyFrames(dataset_->answers()), HalfInterval(frames_), frames_);
+      return;
+    }
+    const Trajectory trajectory = ReadTrajectory(dataset_->output(), command_.format).trajectory;
+    if (command_.format == TrajectoryFormat::kKitti) {
       failure_ = PlaceByRow(trajectory, frames_);
     } else {
       PlaceByStamp(trajectory, HalfInterval(frames_), frames_);
@@ -159,7 +191,97 @@ std::vector<FrameEstimate> ExternalSystem::Run() {
     failure_ = std::string("wrote a malformed trajectory: ") + e.what();
     Replace(failure_, dataset_->output().string(), "{output}");
   }
-  return frames_;
+}
+
+std::vector<std::string> AddVslamlabArguments(std::vector<std::string> words, const fs::path& sequence,
+                                              const fs::path& output, VslamlabMode mode) {
+  const bool python = std::any_of(words.begin(), words.end(), [](const std::string& word) {
+    return word.ends_with(".py") || fs::path(word).filename().string().starts_with("python");
+  });
+  const std::pair<std::string, std::string> arguments[] = {
+      {"sequence_path", sequence.string()},
+      {"calibration_yaml", (sequence / "calibration.yaml").string()},
+      {"rgb_csv", (sequence / "rgb.csv").string()},
+      {"exp_folder", output.string()},
+      {"exp_id", "00000"},
+      {"mode", std::string(ToWord(mode))}};
+  for (const auto& [key, value] : arguments) {
+    const std::string start = python ? "--" + key : key + ":";
+    const auto says = [&](const std::string& word) { return word.starts_with(start); };
+    if (std::any_of(words.begin(), words.end(), says)) continue;
+    if (python) {
+      words.insert(words.end(), {start, value});
+    } else {
+      words.push_back(start + value);
+    }
+  }
+  return words;
+}
+
+namespace {
+
+fs::path FindKeyFrames(const fs::path& output) {
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::recursive_directory_iterator(output)) {
+    const bool is_named = entry.path().filename().string().find("KeyFrameTrajectory") != std::string::npos;
+    if (entry.is_regular_file() && is_named) found.push_back(entry.path());
+  }
+  if (found.size() == 1) return found.front();
+  throw BadInput(fmt::format("{} files named ...KeyFrameTrajectory... in its exp_folder; expected one", found.size()));
+}
+
+/// The eight numbers of a row; none if it does not begin with one.
+std::vector<double> RowNumbers(std::string row, std::string& stamp) {
+  std::replace(row.begin(), row.end(), ',', ' ');
+  std::istringstream fields(row);
+  std::vector<double> numbers;
+  stamp.clear();
+  for (std::string field; fields >> field;) {
+    char* end = nullptr;
+    const double number = std::strtod(field.c_str(), &end);
+    if (*end != 0) return numbers.empty() ? std::vector<double>() : std::vector<double>{0};
+    if (numbers.empty()) stamp = field;
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+/// Of "1700000000.02" in seconds, or "1700000000020000000": whole numbers that long are nanoseconds.
+int64_t StampOf(const std::string& text) {
+  constexpr double kMinNanoseconds = 1e14;
+  const double number = std::strtod(text.c_str(), nullptr);
+  if (number >= kMinNanoseconds) return std::strtoll(text.c_str(), nullptr, 10);
+  const int64_t seconds = int64_t(std::floor(number));
+  const size_t dot = text.find('.');
+  if (dot == std::string::npos || text.find_first_of("eE") != std::string::npos)
+    return int64_t(std::llround(number * 1e9));
+  std::string digits = text.substr(dot + 1, 9);
+  digits.resize(9, '0');
+  return seconds * 1000000000 + std::strtoll(digits.c_str(), nullptr, 10);
+}
+
+}  // namespace
+
+Trajectory ReadKeyFrames(const fs::path& output) {
+  const fs::path file = FindKeyFrames(output);
+  std::ifstream stream(file);
+  std::map<int64_t, Pose> poses;
+  int line = 0;
+  std::string stamp;
+  for (std::string row; std::getline(stream, row);) {
+    ++line;
+    const std::vector<double> v = RowNumbers(row, stamp);
+    if (v.empty()) continue;
+    const bool is_pose = v.size() == 8 && std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
+    const Eigen::Quaterniond q = is_pose ? Eigen::Quaterniond(v[7], v[4], v[5], v[6]) : Eigen::Quaterniond(0, 0, 0, 0);
+    if (!(std::abs(q.norm() - 1) < 1e-2)) {
+      throw BadInput(fmt::format("{}:{}: expected t x y z qx qy qz qw", file.filename().string(), line));
+    }
+    poses.emplace(StampOf(stamp), Pose(q.normalized(), {v[1], v[2], v[3]}));
+  }
+  Trajectory trajectory;
+  for (const auto& [stamp_ns, pose] : poses) trajectory.push_back({stamp_ns, pose});
+  return trajectory;
 }
 
 }  // namespace gaitcam

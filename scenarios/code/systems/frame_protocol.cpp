@@ -35,8 +35,16 @@ Json JsonOf(const Pose& X) {
 }
 
 Json JsonOf(const CameraModel& c) {
-  return {{"width_px", c.width_px}, {"height_px", c.height_px}, {"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx},
-          {"cy", c.cy},             {"k1", c.k1},               {"k2", c.k2}, {"p1", c.p1}, {"p2", c.p2},
+  return {{"width_px", c.width_px},
+          {"height_px", c.height_px},
+          {"fx", c.fx},
+          {"fy", c.fy},
+          {"cx", c.cx},
+          {"cy", c.cy},
+          {"k1", c.k1},
+          {"k2", c.k2},
+          {"p1", c.p1},
+          {"p2", c.p2},
           {"k3", c.k3}};
 }
 
@@ -89,8 +97,15 @@ CameraModel CameraOf(const Json& json) {
   CameraModel c;
   c.width_px = json.at("width_px");
   c.height_px = json.at("height_px");
-  for (const auto& [key, member] : {std::pair{"fx", &c.fx}, {"fy", &c.fy}, {"cx", &c.cx}, {"cy", &c.cy}, {"k1", &c.k1},
-                                    {"k2", &c.k2}, {"p1", &c.p1}, {"p2", &c.p2}, {"k3", &c.k3}}) {
+  for (const auto& [key, member] : {std::pair{"fx", &c.fx},
+                                    {"fy", &c.fy},
+                                    {"cx", &c.cx},
+                                    {"cy", &c.cy},
+                                    {"k1", &c.k1},
+                                    {"k2", &c.k2},
+                                    {"p1", &c.p1},
+                                    {"p2", &c.p2},
+                                    {"k3", &c.k3}}) {
     *member = json.at(key);
   }
   return c;
@@ -164,7 +179,8 @@ Json JsonOf(const FrameEstimate& frame) {
 }
 
 TrackingStatus StatusOf(const Json& json) {
-  for (const TrackingStatus status : {TrackingStatus::kInitializing, TrackingStatus::kTracking, TrackingStatus::kLost}) {
+  for (const TrackingStatus status :
+       {TrackingStatus::kInitializing, TrackingStatus::kTracking, TrackingStatus::kLost}) {
     if (json.is_string() && json == ToString(status)) return status;
   }
   throw BadInput("status: expected initializing, tracking or lost");
@@ -222,8 +238,9 @@ void AddMap(const OccupancyGrid& grid, Json& maps) {
     const float* row = grid.log_odds.ptr<float>(y);
     rows.push_back(std::vector<double>(row, row + grid.log_odds.cols));
   }
-  maps.push_back({{"occupancy",
-                   {{"cell_m", grid.cell_m}, {"corner_m", {grid.corner_m.x(), grid.corner_m.y()}}, {"log_odds", rows}}}});
+  maps.push_back(
+      {{"occupancy",
+        {{"cell_m", grid.cell_m}, {"corner_m", {grid.corner_m.x(), grid.corner_m.y()}}, {"log_odds", rows}}}});
 }
 
 template <class Other>
@@ -231,7 +248,8 @@ void AddMap(const Other&, Json&) {}
 
 Map LandmarksOf(const Json& json) {
   LandmarkMap map;
-  for (const Json& point : json) map.points.push_back({int64_t(map.points.size()), VectorOf(point, "landmarks"), {}, {}});
+  for (const Json& point : json)
+    map.points.push_back({int64_t(map.points.size()), VectorOf(point, "landmarks"), {}, {}});
   return map;
 }
 
@@ -303,12 +321,8 @@ SharedFrames::~SharedFrames() { munmap(data_, size_); }
 std::string StartMessage(const SystemSetup& setup, const fs::path& frames) {
   Json settings = Json::object();
   for (const auto& [key, value] : setup.settings) settings[key] = SettingJson(value);
-  return Json{{"event", "start"},
-              {"protocol", 1},
-              {"seed", setup.seed},
-              {"frames", frames.string()},
-              {"settings", settings},
-              {"calibration", JsonOf(setup.calibration)}}
+  return Json{{"event", "start"},          {"protocol", 1},        {"seed", setup.seed},
+              {"frames", frames.string()}, {"settings", settings}, {"calibration", JsonOf(setup.calibration)}}
       .dump();
 }
 

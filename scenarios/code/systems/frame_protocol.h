@@ -1,5 +1,5 @@
-/// The lines that we exchange with a running program that is a SLAM system: JSON, one line each way per step, ours on its
-/// standard input, its answers on its standard output. What it prints elsewhere goes to a log.
+/// The lines that we exchange with a running program that is a SLAM system: JSON, one line each way per step, ours on
+/// its standard input, its answers on its standard output. What it prints elsewhere goes to a log.
 ///
 ///   us    {"event": "start", "protocol": 1, "seed": 1, "frames": FILE, "settings": {...}, "calibration": {...}}
 ///   it    {"ready": true}, or {"error": "what is wrong with its settings"}

@@ -177,8 +177,8 @@ ProcessSystem::ProcessSystem(const ProcessOptions& options, const SystemSetup& s
   conversation_ = std::make_unique<Conversation>(options, setup.calibration, log);
   std::string refusal;
   try {
-    refusal = ReadReady(
-        conversation_->Ask(StartMessage(setup, conversation_->frames().file()), options_.start_limit_s));
+    refusal =
+        ReadReady(conversation_->Ask(StartMessage(setup, conversation_->frames().file()), options_.start_limit_s));
   } catch (const Breakdown& e) {
     Fail("at its start", e.what());
   } catch (const BadInput& e) {

@@ -56,9 +56,8 @@ std::vector<fs::path> FilesOfProgram(const fs::path& program) {
 }
 
 std::vector<std::string> BubblewrapWords() {
-  std::vector<std::string> words = {"bwrap",     "--unshare-all", "--die-with-parent", "--new-session",
-                                    "--proc",    "/proc",         "--dev",             "/dev",
-                                    "--tmpfs",   "/tmp"};
+  std::vector<std::string> words = {"bwrap", "--unshare-all", "--die-with-parent", "--new-session", "--proc", "/proc",
+                                    "--dev", "/dev",          "--tmpfs",           "/tmp"};
   for (const char* folder : kSystemFolders) words.insert(words.end(), {"--ro-bind-try", folder, folder});
   for (const char* device : kDevices) words.insert(words.end(), {"--dev-bind-try", device, device});
   return words;

@@ -1,5 +1,6 @@
-/// What somebody else's program may see and reach: the system's folders, its own files, and what it is handed; no truth,
-/// no cache, no earlier results, no network, no process of ours. By Debian's `bubblewrap`, where the kernel allows it.
+/// What somebody else's program may see and reach: the system's folders, its own files, and what it is handed; no
+/// truth, no cache, no earlier results, no network, no process of ours. By Debian's `bubblewrap`, where the kernel
+/// allows it.
 
 #pragma once
 

@@ -28,7 +28,8 @@ const SystemPlugin& LoadPlugin(const fs::path& library) {
   const auto layout = reinterpret_cast<uint64_t (*)()>(dlsym(handle, "gaitcam_plugin_layout"));
   const auto plugin = reinterpret_cast<const void* (*)()>(dlsym(handle, "gaitcam_plugin"));
   if (layout == nullptr || plugin == nullptr) {
-    throw BadInput(library.string() + ": offers no system; it has to end with GAITCAM_SYSTEM_PLUGIN (algorithms/slam/plugin.h)");
+    throw BadInput(library.string() +
+                   ": offers no system; it has to end with GAITCAM_SYSTEM_PLUGIN (algorithms/slam/plugin.h)");
   }
   if (layout() != PluginLayout()) {
     throw BadInput(library.string() + ": was built with headers of another gaitcam; build it again with this one's");

@@ -16,16 +16,15 @@ namespace gaitcam {
 /// headers.
 const SystemPlugin& LoadPlugin(const std::filesystem::path& library);
 
-/// Answers the lines of standard input until it ends or "finish" was answered. What the system prints to standard output
-/// goes to standard error.
+/// Answers the lines of standard input until it ends or "finish" was answered. What the system prints to standard
+/// output goes to standard error.
 /// @returns the exit code: 0, or 1 if the system threw.
 int ServeSystem(const std::function<std::unique_ptr<System>(const SystemSetup&)>& make, bool acts);
 
 /// What is known of a library's system, asked of a process that loads it; asked once for each state of the file.
 /// @param program that serves: `program serve --plugin LIBRARY --info` prints it.
 /// @throws BadInput with its words if it cannot be loaded.
-SystemInfo AskPluginInfo(const std::filesystem::path& library,
-                         const std::vector<std::filesystem::path>& readable);
+SystemInfo AskPluginInfo(const std::filesystem::path& library, const std::vector<std::filesystem::path>& readable);
 /// What that process prints.
 std::string PluginInfoText(const SystemInfo& info);
 

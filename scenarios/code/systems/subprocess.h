@@ -23,16 +23,16 @@ struct Ending {
 
 /// What a program starts with. Of our open files it inherits these alone.
 struct SubprocessStreams {
-  std::filesystem::path log;           ///< Receives standard error, and standard output unless that is given.
-  int input = -1;                      ///< Standard input; -1: empty.
-  int output = -1;                     ///< Standard output; -1: the log.
-  std::filesystem::path folder = {};   ///< Working folder; empty: ours.
+  std::filesystem::path log;          ///< Receives standard error, and standard output unless that is given.
+  int input = -1;                     ///< Standard input; -1: empty.
+  int output = -1;                    ///< Standard output; -1: the log.
+  std::filesystem::path folder = {};  ///< Working folder; empty: ours.
 };
 
 class Subprocess {
  public:
-  /// Starts a program, looked for in PATH unless its name has a "/". It leads a process group of its own: Ctrl-C is ours
-  /// to handle. It is killed when the starting thread dies. A program that cannot be started ends with code 127.
+  /// Starts a program, looked for in PATH unless its name has a "/". It leads a process group of its own: Ctrl-C is
+  /// ours to handle. It is killed when the starting thread dies. A program that cannot be started ends with code 127.
   /// @throws MissingResource if no process can be made.
   Subprocess(const std::vector<std::string>& command, const SubprocessStreams& streams);
   Subprocess(const std::vector<std::string>& command, const std::filesystem::path& log)

@@ -41,14 +41,19 @@ void CheckWords(const OptionValue& node, const std::string& key, const std::vect
   if (words.empty() || words.front().empty()) node.Child(key).Fail("expected a program and its arguments");
 }
 
+/// "my_slam" of "./libmy_slam.so".
+std::string NameOfLibrary(const std::string& file) {
+  const std::string name = fs::path(file).stem().string();
+  return name.starts_with("lib") ? name.substr(3) : name;
+}
+
 void ReadPlugin(const OptionValue& node, SystemChoice& value) {
   std::vector<std::string> known = FieldKeys<PluginChoice>();
   internal::FieldReader reader{node};
   VisitFields(reader, value.plugin.emplace());
   known.push_back("name");
   value.settings = ReadSettings(node, known);
-  value.name = fs::path(value.plugin->plugin).stem().string();
-  if (value.name.starts_with("lib")) value.name.erase(0, 3);
+  value.name = NameOfLibrary(value.plugin->plugin);
   if (node.Has("name")) ReadOption(node.Child("name"), value.name);
 }
 
@@ -82,6 +87,11 @@ void ReadOption(const OptionValue& node, SystemSettings& value) {
 
 void ReadOption(const OptionValue& node, SystemChoice& value) {
   value = {};
+  if (node.IsScalar() && node.text().ends_with(".so")) {
+    value.plugin.emplace().plugin = node.text();
+    value.name = NameOfLibrary(node.text());
+    return;
+  }
   if (node.IsScalar()) {
     ReadOption(node, value.name);
     return;
@@ -102,7 +112,8 @@ void ReadOption(const OptionValue& node, SystemChoice& value) {
   } else if (node.Has("plugin")) {
     ReadPlugin(node, value);
   } else {
-    if (!node.Has("name")) node.Fail("expected the key `name` beside the settings, or `plugin`, `process` or `command`");
+    if (!node.Has("name"))
+      node.Fail("expected the key `name` beside the settings, or `plugin`, `process` or `command`");
     ReadOption(node.Child("name"), value.name);
     value.settings = ReadSettings(node);
   }
@@ -143,9 +154,9 @@ std::optional<std::string> FindFile(const std::string& word, const fs::path& fol
 }
 
 /// A program with a "/" in its name is looked for beside the file, any other in PATH.
-void ResolveProgram(const OptionValue& word, std::string& program) {
+void ResolveProgram(const OptionValue& word, const fs::path& folder, std::string& program) {
   if (program.find('/') != std::string::npos) {
-    program = FindFile(program, word.folder()).value_or(program);
+    program = FindFile(program, folder).value_or(program);
     if (!FindProgram(program)) word.Fail(program + ": there is no such program, or it may not be executed");
     return;
   }
@@ -154,24 +165,23 @@ void ResolveProgram(const OptionValue& word, std::string& program) {
   program = fs::absolute(*found).string();
 }
 
-void ResolveWords(const OptionValue& list, std::vector<std::string>& words) {
-  ResolveProgram(list.Element(0), words.front());
+void ResolveWords(const OptionValue& list, const fs::path& folder, std::vector<std::string>& words) {
+  ResolveProgram(list.Element(0), folder, words.front());
   for (size_t i = 1; i < words.size(); ++i) {
-    const OptionValue word = list.Element(i);
-    if (const auto file = FindFile(words[i], word.folder())) words[i] = *file;
+    if (const auto file = FindFile(words[i], folder)) words[i] = *file;
   }
 }
 
-void ResolveDepends(const OptionValue& node, std::optional<std::vector<std::string>>& depends) {
+void ResolveDepends(const OptionValue& node, const fs::path& folder, std::optional<std::vector<std::string>>& depends) {
   for (size_t i = 0; depends && i < depends->size(); ++i) {
     const OptionValue word = node.Child("depends").Element(i);
-    const auto file = FindFile((*depends)[i], word.folder());
+    const auto file = FindFile((*depends)[i], folder);
     if (!file) word.Fail((*depends)[i] + ": there is no such file or folder");
     (*depends)[i] = *file;
   }
 }
 
-void ResolveCommand(const OptionValue& node, CommandChoice& choice) {
+void ResolveCommand(const OptionValue& node, const fs::path& folder, CommandChoice& choice) {
   const OptionValue list = node.Child("command");
   for (const char* needed : {"{dataset}", "{output}"}) {
     const auto has = [&](const std::string& word) { return word.find(needed) != std::string::npos; };
@@ -180,8 +190,8 @@ void ResolveCommand(const OptionValue& node, CommandChoice& choice) {
       list.Fail(std::string("expected ") + needed + " in one of the arguments");
     }
   }
-  ResolveWords(list, choice.command);
-  ResolveDepends(node, choice.depends);
+  ResolveWords(list, folder, choice.command);
+  ResolveDepends(node, folder, choice.depends);
 }
 
 /// Words that are files; the program is the first of them.
@@ -214,18 +224,18 @@ std::string Sha256Of(const fs::path& path) {
 
 }  // namespace
 
-void ResolveFiles(const OptionValue& node, SystemChoice& choice) {
-  if (choice.command) ResolveCommand(node, *choice.command);
+void ResolveFiles(const OptionValue& node, const fs::path& folder, SystemChoice& choice) {
+  if (choice.command) ResolveCommand(node, folder, *choice.command);
   if (choice.process) {
-    ResolveWords(node.Child("process"), choice.process->process);
-    ResolveDepends(node, choice.process->depends);
+    ResolveWords(node.Child("process"), folder, choice.process->process);
+    ResolveDepends(node, folder, choice.process->depends);
   }
   if (choice.plugin) {
-    const OptionValue word = node.Child("plugin");
-    const auto file = FindFile(choice.plugin->plugin, word.folder());
+    const OptionValue word = node.IsMap() ? node.Child("plugin") : node;
+    const auto file = FindFile(choice.plugin->plugin, folder);
     if (!file) word.Fail(choice.plugin->plugin + ": there is no such shared library");
     choice.plugin->plugin = *file;
-    ResolveDepends(node, choice.plugin->depends);
+    ResolveDepends(node, folder, choice.plugin->depends);
   }
 }
 
@@ -251,11 +261,14 @@ SystemChoice WithoutFolders(SystemChoice choice) {
   return choice;
 }
 
-std::optional<std::string> FingerprintOf(const SystemChoice& choice) {
-  if (!choice.IsForeign()) return "";
+bool IsFingerprintComplete(const SystemChoice& choice) {
   const auto says = [](const auto& kind) { return kind && kind->depends; };
-  const bool is_known = says(choice.command) || says(choice.process) || says(choice.plugin);
-  if (!is_known && !WhyNoSandbox().empty()) return std::nullopt;
+  return !choice.IsForeign() || says(choice.command) || says(choice.process) || says(choice.plugin) ||
+         WhyNoSandbox().empty();
+}
+
+std::string FingerprintOf(const SystemChoice& choice) {
+  if (!choice.IsForeign()) return "";
   std::string text;
   for (const fs::path& file : FilesOf(choice)) text += Sha256Of(file) + "\n";
   return Sha256(text);

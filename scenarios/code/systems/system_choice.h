@@ -1,5 +1,5 @@
-/// `system:` of a scenario: one of ours by name, or somebody else's as a shared library, a running process, or a command
-/// on a written dataset.
+/// `system:` of a scenario: one of ours by name, or somebody else's as a shared library, a running process, or a
+/// command on a written dataset.
 ///
 ///   system: mobif_vo
 ///   system: {name: mobif_vo, feature: akaze, ratio: 0.8}
@@ -122,9 +122,9 @@ void VisitFields(Visitor& visit, PluginChoice& o) {
 }
 
 struct SystemChoice {
-  std::string name = "sift_vo";         ///< Ours, or as tables call somebody else's.
-  SystemSettings settings;              ///< Of ours, and of a plugin's.
-  std::optional<CommandChoice> command; ///< At most one of these three.
+  std::string name = "sift_vo";          ///< Ours, or as tables call somebody else's.
+  SystemSettings settings;               ///< Of ours, and of a plugin's.
+  std::optional<CommandChoice> command;  ///< At most one of these three.
   std::optional<ProcessChoice> process;
   std::optional<PluginChoice> plugin;
 
@@ -140,9 +140,10 @@ void ReadOption(const OptionValue& node, SystemChoice& value);
 void WriteYaml(YAML::Emitter& out, const SystemSettings& value);
 void WriteYaml(YAML::Emitter& out, const SystemChoice& value);
 
-/// Words that name files become absolute paths: those beside `node`'s file first, then those below the working folder.
+/// Words that name files become absolute paths: of those in `folder` first, then of those in the working folder.
+/// @param node that was read, where messages point
 /// @throws BadInput, located: a program or file that is not there.
-void ResolveFiles(const OptionValue& node, SystemChoice& choice);
+void ResolveFiles(const OptionValue& node, const std::filesystem::path& folder, SystemChoice& choice);
 
 /// Files and folders of a foreign system: its program, those among its words, and what it depends on.
 /// @pre resolved.
@@ -151,8 +152,10 @@ std::vector<std::filesystem::path> FilesOf(const SystemChoice& choice);
 /// The choice without saying where its files lie: what of it belongs to a run's hash.
 SystemChoice WithoutFolders(SystemChoice choice);
 
-/// SHA-256 of what those files hold; empty for one of ours. Nothing if what the program reads is not known: it runs
-/// without a sandbox (sandbox.h) and does not say what it depends on.
-std::optional<std::string> FingerprintOf(const SystemChoice& choice);
+/// SHA-256 of what those files hold; empty for one of ours.
+std::string FingerprintOf(const SystemChoice& choice);
+/// Whether nothing else of the user's can decide what it answers: it runs in a sandbox (sandbox.h), or says what it
+/// depends on.
+bool IsFingerprintComplete(const SystemChoice& choice);
 
 }  // namespace gaitcam

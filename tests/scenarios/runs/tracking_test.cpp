@@ -1,6 +1,6 @@
 // Systems that act on the body: their walk waits for their answer, and the robot does what they ask.
 
-#include "scenarios/code/runs/live_tracking.h"
+#include "scenarios/code/runs/tracking.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "scenarios/code/runs/live_tracking.h"
+#include "scenarios/code/runs/tracking.h"
 
 namespace gaitcam {
 
@@ -12,6 +12,17 @@ Estimate TrackLive(Simulation& simulation, TrackingThread& tracker, const LiveTr
     } else {
       simulation.Command(tracker.Ask(std::move(frame->observation)));
     }
+  }
+  return tracker.Finish();
+}
+
+Estimate TrackRecorded(DatasetReader& reader, TrackingThread& tracker, const std::function<bool()>& interrupted,
+                       const std::function<void(int64_t)>& on_frame) {
+  for (int64_t frames = 0; !interrupted();) {
+    std::optional<Observation> observation = reader.Next();
+    if (!observation) break;
+    tracker.Push(std::move(*observation));
+    on_frame(++frames);
   }
   return tracker.Finish();
 }

@@ -1,10 +1,12 @@
-/// A walk that is simulated and tracked at once: how a system that acts on the body gets its way.
+/// How frames reach a system: from a walk that is simulated meanwhile, or from a recorded one. Every verb goes by these
+/// two functions.
 
 #pragma once
 
 #include <functional>
 
 #include "algorithms/core/estimate.h"
+#include "algorithms/io/dataset_reader.h"
 #include "scenarios/code/runs/tracking_thread.h"
 #include "sim/simulation.h"
 
@@ -23,5 +25,12 @@ struct LiveTrackingOptions {
 /// @throws what the simulation or the system throws; BadInput if the system commands what the robot cannot
 /// do (Simulation::Command).
 Estimate TrackLive(Simulation& simulation, TrackingThread& tracker, const LiveTrackingOptions& options);
+
+/// Hands every frame of a dataset to the system, until it is interrupted.
+/// @param on_frame told how many frames were handed over.
+/// @throws what the reader or the system throws.
+Estimate TrackRecorded(
+    DatasetReader& reader, TrackingThread& tracker, const std::function<bool()>& interrupted,
+    const std::function<void(int64_t)>& on_frame = [](int64_t) {});
 
 }  // namespace gaitcam
