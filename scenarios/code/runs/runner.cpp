@@ -136,7 +136,9 @@ void CheckPlan(const ResolvedScenario& resolved) {
   }
   const SimulationOptions options = SimulationOptionsOf(resolved.scenario);
   CheckSimulation(resolved.robot, resolved.scene, options, resolved.scenario.seed);
-  if (ActsOnBody(resolved.scenario)) CheckHeadScan(resolved.robot, options);
+  // What somebody else's system will ask for is known when it asks.
+  const bool may_scan = ActsOnBody(resolved.scenario) && !resolved.scenario.system.IsForeign();
+  if (may_scan) CheckHeadScan(resolved.robot, options);
 }
 
 /// The whole data flow: models ▸ simulation ▸ observations ▸ system ▸ estimate ▸ scores ▸ report.

@@ -1,7 +1,7 @@
 // Somebody else's executable as the SLAM system of a run: what it is given, what becomes of what it says, and that its
 // crashes are its own.
 
-#include "scenarios/code/runs/external_system.h"
+#include "scenarios/code/systems/command_system.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST(FillPlaceholders, FillsEveryOneWhereverItStands) {
               testing::ElementsAre("slam", "--in=/d", "/o", "/d/calibration.yaml", "77"));
 }
 
-class ExternalSystemTest : public testing::Test {
+class CommandSystemTest : public testing::Test {
  protected:
   /// A run of one second of a small film, tracked by a shell script of this text.
   ProgramResult RunWith(const std::string& script, const std::string& more = "") {
@@ -77,7 +77,7 @@ class ExternalSystemTest : public testing::Test {
   const TemporaryFolder temporary_;
 };
 
-TEST_F(ExternalSystemTest, SeesADatasetWithoutAnyTruthAndItsWordsAreKept) {
+TEST_F(CommandSystemTest, SeesADatasetWithoutAnyTruthAndItsWordsAreKept) {
   // Its answer: a pose for every image, one unit further each time.
   const ProgramResult result = RunWith(
       "ls -R \"$1/..\"\n"
@@ -90,32 +90,50 @@ TEST_F(ExternalSystemTest, SeesADatasetWithoutAnyTruthAndItsWordsAreKept) {
   EXPECT_FALSE(Scores()["run"].contains("system_failed"));
 }
 
-TEST_F(ExternalSystemTest, ACrashIsAScoredFailure) {
+TEST_F(CommandSystemTest, ACrashIsAScoredFailure) {
   const ProgramResult result = RunWith("echo out of luck >&2; exit 7");
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.err, HasSubstr("slam failed: exited with 7: out of luck"));
   EXPECT_EQ(Scores()["run"]["system_failed"], "exited with 7: out of luck");
 }
 
-TEST_F(ExternalSystemTest, DeathBySignalMalformedOutputAndNoOutputAreNamed) {
+TEST_F(CommandSystemTest, DeathBySignalMalformedOutputAndNoOutputAreNamed) {
   EXPECT_THAT(RunWith("kill -SEGV $$").err, HasSubstr("died of signal 11"));
   EXPECT_THAT(RunWith("echo 1 2 three > \"$2\"").err, HasSubstr("wrote a malformed trajectory: {output}:1: "));
   EXPECT_THAT(RunWith("echo 0.1 nan 0 0 0 0 0 1 > \"$2\"").err, HasSubstr("wrote a malformed trajectory"));
   EXPECT_THAT(RunWith("true").err, HasSubstr("wrote no trajectory"));
 }
 
-TEST_F(ExternalSystemTest, WhatDoesNotEndIsKilledWithItsChildren) {
-  const std::string pid_file = File("pid").string();
-  const ProgramResult result = RunWith("sleep 1000 & echo $! > " + pid_file + "; wait", ", time_limit_s: 0.5");
-  EXPECT_EQ(result.exit_code, 3);
-  EXPECT_THAT(result.err, HasSubstr("did not end within 0.5 s"));
-  const std::string pid = ReadText(pid_file).substr(0, ReadText(pid_file).find('\n'));
-  ASSERT_FALSE(pid.empty());
-  const std::string state = ReadText("/proc/" + pid + "/stat");
-  EXPECT_TRUE(state.empty() || state.find(") Z") != std::string::npos) << "still there: " << state;
+/// Whether a process runs whose command line holds `word`.
+bool IsRunning(const std::string& word) {
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    if (ReadText(entry.path() / "cmdline").find(word) != std::string::npos) return true;
+  }
+  return false;
 }
 
-TEST_F(ExternalSystemTest, BadCommandsAreToldBeforeAnythingRuns) {
+TEST_F(CommandSystemTest, WhatDoesNotEndIsKilledWithItsChildren) {
+  // One child in its process group, and one that has left group and session.
+  const ProgramResult result = RunWith("sleep 98765.4 & setsid sleep 98765.4 & wait", ", time_limit_s: 0.5");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("did not end within 0.5 s"));
+  EXPECT_FALSE(IsRunning("98765.4"));
+}
+
+TEST_F(CommandSystemTest, WhatItLeavesBehindIsKilled) {
+  RunWith("setsid sleep 98765.3 & exit 1");
+  EXPECT_FALSE(IsRunning("98765.3"));
+}
+
+TEST_F(CommandSystemTest, InheritsNoOpenFilesOfOurs) {
+  RunWith("ls -l /proc/self/fd >&2; exit 1");
+  const std::string said = ReadText(File("run") / "system.log");
+  EXPECT_THAT(said, HasSubstr("-> /dev/null"));
+  EXPECT_THAT(said, testing::Not(HasSubstr(".part-")));
+  EXPECT_THAT(said, testing::Not(HasSubstr("truth")));
+}
+
+TEST_F(CommandSystemTest, BadCommandsAreToldBeforeAnythingRuns) {
   const auto refuse = [&](const std::string& system, const std::string& fragment) {
     std::ofstream(File("s.yaml")) << "system: " << system << "\n";
     const ProgramResult result = RunProgram("run s.yaml --out run", temporary_.path());
@@ -136,7 +154,7 @@ TEST_F(ExternalSystemTest, BadCommandsAreToldBeforeAnythingRuns) {
 // OpenCV's direct RGB-D odometry is a stranger to us: that it follows our frames says that depth, calibration and
 // stamps mean what we say they mean. It slips where the view has little texture, so the median speaks: 1.1 mm measured
 // from frame to frame, of some 3.5 mm of sway and walk.
-TEST_F(ExternalSystemTest, AStrangersOdometryFindsItsWay) {
+TEST_F(CommandSystemTest, AStrangersOdometryFindsItsWay) {
   std::ofstream(File("s.yaml")) << "duration_s: 4\n"
                                    "path: {kind: circle, diameter_m: 4}\n"
                                    "gait: {preset: slow}\n"
