@@ -45,7 +45,10 @@ Entry KeyframeVoWith(const std::string& feature, const std::string& description)
 Entry MobifVoPlus() {
   KeyframeVoOptions options = KeyframeVoOptions::WithFeature("mobif", 4);
   options.rotation_before_map = true;
-  return Preset("mobif_vo_plus", "the odometry of mobif_vo, with rotations from the first frame on", options);
+  options.window = 12;
+  options.adjust_iterations = 20;
+  return Preset("mobif_vo_plus", "the odometry of mobif_vo, with rotations from the first frame on and a longer window",
+                options);
 }
 
 class TwoViewVoSystem : public System {
