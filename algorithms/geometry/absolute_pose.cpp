@@ -1,11 +1,12 @@
 #include "algorithms/geometry/absolute_pose.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 #include <opencv2/calib3d.hpp>
 
 #include "algorithms/core/se3.h"
+#include "algorithms/core/small_solvers.h"
 
 namespace gaitcam {
 namespace {
@@ -29,7 +30,7 @@ double RefineOnce(const std::vector<PointSighting>& sightings, const std::vector
     H += weight * J.transpose() * J;
     g += weight * J.transpose() * e;
   }
-  const Vector6d step = -H.ldlt().solve(g);
+  const Vector6d step = -SolveSymmetric<6>(H, g);
   constexpr double kMaxTurn = 0.5;  // rad; the linearisation holds no further
   if (!step.allFinite() || step.tail<3>().norm() > kMaxTurn) return 0;
   X_WC = Plus(X_WC, step);

@@ -1,7 +1,11 @@
 #include "algorithms/geometry/eight_point.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <cmath>
+
+#include "algorithms/core/small_solvers.h"
+#include "algorithms/geometry/householder.h"
 
 namespace gaitcam {
 
@@ -30,15 +34,16 @@ std::optional<Eigen::Matrix3d> SolveEightPoint(const std::vector<PointPair>& pai
     for (int i = 0; i < 3; ++i) A.row(long(k)).segment<3>(3 * i) = b[i] * a.transpose();
   }
   // The right singular vectors of A are those of its triangular factor.
-  const Eigen::Matrix<double, 9, 9> R =
-      Eigen::HouseholderQR<Eigen::MatrixXd>(A).matrixQR().topRows<9>().triangularView<Eigen::Upper>();
+  Eigen::VectorXd tau(9);
+  FactorQr(A, tau);
+  const Eigen::Matrix<double, 9, 9> R = A.topRows<9>().triangularView<Eigen::Upper>();
   const Eigen::JacobiSVD<Eigen::Matrix<double, 9, 9>> svd(R, Eigen::ComputeFullV);
   const Eigen::Matrix<double, 9, 1> e = svd.matrixV().col(8);
   Eigen::Matrix3d F;
   F << e[0], e[1], e[2], e[3], e[4], e[5], e[6], e[7], e[8];
-  const Eigen::JacobiSVD<Eigen::Matrix3d> parts(Tb.transpose() * F * Ta, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d E = parts.matrixU() * Eigen::Vector3d(1, 1, 0).asDiagonal() * parts.matrixV().transpose();
-  if (!E.allFinite() || !(parts.singularValues()[1] > 0)) return std::nullopt;
+  const Svd3 parts = SvdOf(Tb.transpose() * F * Ta);
+  const Eigen::Matrix3d E = parts.U * Eigen::Vector3d(1, 1, 0).asDiagonal() * parts.V.transpose();
+  if (!E.allFinite() || !(parts.values[1] > 0)) return std::nullopt;
   return E;
 }
 

@@ -1,10 +1,12 @@
 #include "algorithms/geometry/five_point.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/small_solvers.h"
+#include "algorithms/geometry/householder.h"
 #include "algorithms/geometry/real_roots.h"
 
 namespace gaitcam {
@@ -50,10 +52,11 @@ std::array<std::array<Linear, 3>, 3> NullSpace(const std::vector<PointPair>& fiv
     const Eigen::Vector3d a = five[size_t(k)].a.homogeneous(), b = five[size_t(k)].b.homogeneous();
     for (int i = 0; i < 3; ++i) A.col(k).segment<3>(3 * i) = b[i] * a;
   }
-  const Eigen::HouseholderQR<Eigen::Matrix<double, 9, 5>> qr(A);
+  Eigen::Matrix<double, 5, 1> tau;
+  FactorQr(A, tau);
   Eigen::Matrix<double, 9, 4> basis = Eigen::Matrix<double, 9, 4>::Zero();
   basis.bottomRows<4>().setIdentity();
-  basis.applyOnTheLeft(qr.householderQ());
+  MultiplyByQ(A, tau, basis);
   std::array<std::array<Linear, 3>, 3> E;
   for (int i = 0; i < 9; ++i) E[size_t(i / 3)][size_t(i % 3)] = basis.row(i);
   return E;
@@ -172,7 +175,7 @@ void Polish(const Constraints& constraints, Eigen::Vector3d& p) {
     Monomials(p, m, d);
     const Eigen::Matrix<double, 10, 1> residual = constraints * m;
     const Eigen::Matrix<double, 10, 3> J = constraints * d;
-    const Eigen::Vector3d step = (J.transpose() * J).ldlt().solve(J.transpose() * residual);
+    const Eigen::Vector3d step = SolveSymmetric<3>(J.transpose() * J, J.transpose() * residual);
     constexpr double kMaxStep = 0.01;  // relative; more is no rounding error
     if (!step.allFinite() || !(step.norm() < kMaxStep * (1 + p.norm()))) return;
     p -= step;
@@ -185,8 +188,7 @@ std::vector<Eigen::Matrix3d> SolveFivePoint(const std::vector<PointPair>& five) 
   GAITCAM_ASSERT(five.size() == 5);
   const auto basis = NullSpace(five);
   const Constraints constraints = CubicConstraints(basis);
-  const Eigen::PartialPivLU<Eigen::Matrix<double, 10, 10>> lu(constraints.leftCols<10>());
-  const Eigen::Matrix<double, 10, 10> rest = lu.solve(constraints.rightCols<10>());
+  const Eigen::Matrix<double, 10, 10> rest = SolveSquare(constraints.leftCols<10>(), constraints.rightCols<10>());
   std::vector<Eigen::Matrix3d> solutions;
   if (!rest.allFinite()) return solutions;
   const MatrixOfZ B = EliminateToZ(rest);

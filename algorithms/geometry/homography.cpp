@@ -1,9 +1,11 @@
 #include "algorithms/geometry/homography.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 
+#include "algorithms/core/small_solvers.h"
 #include "algorithms/geometry/eight_point.h"
 
 namespace gaitcam {
@@ -27,12 +29,11 @@ std::optional<Eigen::Matrix3d> WeightedHomography(const std::vector<PointPair>& 
     rows << a.transpose(), 0, 0, 0, -b.x() * a.transpose(), 0, 0, 0, a.transpose(), -b.y() * a.transpose();
     N.noalias() += weights[k] * rows.transpose() * rows;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(N);
-  const Eigen::Matrix<double, 9, 1> h = eigen.eigenvectors().col(0);
+  const Eigen::Matrix<double, 9, 1> h = SmallestEigenvector(N);
   Eigen::Matrix3d H;
   H << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
   H = Tb.inverse() * H * Ta;
-  const double middle = Eigen::JacobiSVD<Eigen::Matrix3d>(H).singularValues()[1];
+  const double middle = SvdOf(H).values[1];
   if (!H.allFinite() || !(middle > 0)) return std::nullopt;
   H /= middle;
   int positive = 0;
@@ -69,17 +70,17 @@ double TransferError2(const Eigen::Matrix3d& H, const PointPair& pair) {
 }
 
 std::vector<PlaneMotion> DecomposeHomography(const Eigen::Matrix3d& H) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H.transpose() * H);
-  const double middle = eigen.eigenvalues()[1];
-  const double s1 = eigen.eigenvalues()[2] / middle, s3 = eigen.eigenvalues()[0] / middle;  // squared, >= 1 and <= 1
+  const SymmetricEigen3 eigen = EigenOfSymmetric(H.transpose() * H);
+  const double middle = eigen.values[1];
+  const double s1 = eigen.values[2] / middle, s3 = eigen.values[0] / middle;  // squared, >= 1 and <= 1
   const Eigen::Matrix3d G = H / std::sqrt(middle);
   constexpr double kRotation = 1e-12;
   if (!(s1 - s3 > kRotation)) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(G, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    return {{svd.matrixU() * svd.matrixV().transpose(), Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ()}};
+    const Svd3 svd = SvdOf(G);
+    return {{svd.U * svd.V.transpose(), Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ()}};
   }
-  Eigen::Vector3d v1 = eigen.eigenvectors().col(2);
-  const Eigen::Vector3d v2 = eigen.eigenvectors().col(1), v3 = eigen.eigenvectors().col(0);
+  Eigen::Vector3d v1 = eigen.vectors.col(2);
+  const Eigen::Vector3d v2 = eigen.vectors.col(1), v3 = eigen.vectors.col(0);
   if (v1.cross(v2).dot(v3) < 0) v1 = -v1;
   std::vector<PlaneMotion> motions;
   for (const double sign : {1.0, -1.0}) {

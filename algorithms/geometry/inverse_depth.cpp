@@ -1,11 +1,13 @@
 #include "algorithms/geometry/inverse_depth.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "algorithms/core/se3.h"
+#include "algorithms/core/small_solvers.h"
 #include "algorithms/geometry/ransac.h"
 
 namespace gaitcam {
@@ -127,7 +129,7 @@ Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::v
     }
     // Where all points are at infinity the translation is not observed: damping keeps it where it is.
     H.topLeftCorner<3, 3>() += 1e-9 * (1 + H.bottomRightCorner<3, 3>().trace()) * Eigen::Matrix3d::Identity();
-    const Vector6d change = -H.ldlt().solve(g);
+    const Vector6d change = -SolveSymmetric<6>(H, g);
     if (!change.allFinite() || change.tail<3>().norm() > kMaxTurn) return step == 0 ? X_WC : pose;
     pose = Plus(pose, change);
     if (change.norm() < kConverged) break;

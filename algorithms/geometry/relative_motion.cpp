@@ -1,7 +1,9 @@
 #include "algorithms/geometry/relative_motion.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <cmath>
+
+#include "algorithms/core/small_solvers.h"
 
 namespace gaitcam {
 
@@ -19,8 +21,8 @@ bool InFront(const RelativeMotion& motion, const PointPair& pair) {
 }
 
 std::vector<RelativeMotion> DecomposeEssential(const Eigen::Matrix3d& E) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(E, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d U = svd.matrixU(), V = svd.matrixV(), W;
+  const Svd3 svd = SvdOf(E);
+  Eigen::Matrix3d U = svd.U, V = svd.V, W;
   if (U.determinant() < 0) U = -U;
   if (V.determinant() < 0) V = -V;
   W << 0, -1, 0, 1, 0, 0, 0, 0, 1;
@@ -55,9 +57,9 @@ Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::ve
       const double error2 = (b - R * a).squaredNorm() / (threshold * threshold);
       sum += (round == 0 ? 1 : 1 / std::pow(1 + error2, 2)) * b * a.transpose();  // Geman and McClure's weights
     }
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-    R = svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+    const Svd3 svd = SvdOf(sum);
+    const double sign = (svd.U * svd.V.transpose()).determinant() < 0 ? -1 : 1;
+    R = svd.U * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.V.transpose();
   }
   return R;
 }

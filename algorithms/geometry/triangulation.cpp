@@ -1,9 +1,11 @@
 #include "algorithms/geometry/triangulation.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "algorithms/core/small_solvers.h"
 
 namespace gaitcam {
 namespace {
@@ -22,10 +24,9 @@ std::optional<Eigen::Vector3d> NearestToRays(const std::vector<RayObservation>& 
     A += M;
     b += M * observation.X_WC.translation;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(A);
   constexpr double kParallel = 1e-9;  // some 3e-5 rad between two rays
-  if (!(eigen.eigenvalues()[0] > kParallel)) return std::nullopt;
-  return A.ldlt().solve(b);
+  if (!(EigenOfSymmetric(A).values[0] > kParallel)) return std::nullopt;
+  return SolveSymmetric<3>(A, b);
 }
 
 /// One Gauss-Newton step on the reprojection errors; false if the point is behind a camera.
@@ -42,7 +43,7 @@ bool Refine(const std::vector<RayObservation>& observations, Eigen::Vector3d& p_
     H += J.transpose() * J;
     g += J.transpose() * (p.hnormalized() - observation.xy);
   }
-  p_W -= H.ldlt().solve(g);
+  p_W -= SolveSymmetric<3>(H, g);
   return p_W.allFinite();
 }
 

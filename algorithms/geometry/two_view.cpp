@@ -1,12 +1,13 @@
 #include "algorithms/geometry/two_view.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "algorithms/core/median.h"
 #include "algorithms/core/se3.h"
+#include "algorithms/core/small_solvers.h"
 #include "algorithms/geometry/homography.h"
 #include "algorithms/geometry/relative_motion.h"
 #include "algorithms/geometry/robust.h"
@@ -47,7 +48,7 @@ struct NormalEquations {
 /// One Gauss-Newton step.
 void Refine(const std::vector<PointPair>& pairs, const std::vector<int>& inliers, RelativeMotion& motion) {
   const NormalEquations equations(pairs, inliers, motion);
-  const Eigen::Matrix<double, 5, 1> step = -equations.H.ldlt().solve(equations.g);
+  const Eigen::Matrix<double, 5, 1> step = -SolveSymmetric<5>(equations.H, equations.g);
   constexpr double kMaxStep = 0.2;  // rad; the linearisation holds no further
   if (!step.allFinite() || step.norm() > kMaxStep) return;
   motion.R = motion.R * ExpSo3(step.head<3>()).toRotationMatrix();
@@ -59,12 +60,12 @@ double DirectionSigma(const std::vector<PointPair>& pairs, const std::vector<int
                       const RelativeMotion& motion) {
   const NormalEquations equations(pairs, inliers, motion);
   const double sigma2 = equations.error2 / double(inliers.size() - 5);
-  const Eigen::Matrix<double, 5, 5> covariance = sigma2 * equations.H.inverse();
+  const Eigen::Matrix<double, 5, 5> covariance = sigma2 * Inverse(equations.H);
   if (!covariance.allFinite()) return M_PI;
   Eigen::Matrix<double, 3, 5> J;  // (R exp(w))^T t = R^T t - w x R^T t to first order
   J << Hat(motion.R.transpose() * motion.t), motion.R.transpose() * equations.u, motion.R.transpose() * equations.v;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(J * covariance * J.transpose());
-  const double variance = eigen.eigenvalues()[2];
+  const Eigen::Matrix3d lower = (J * covariance * J.transpose()).triangularView<Eigen::Lower>();
+  const double variance = EigenOfSymmetric(lower).values[2];
   return variance >= 0 ? std::min(M_PI, std::sqrt(variance)) : M_PI;
 }
 

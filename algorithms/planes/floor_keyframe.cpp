@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 namespace gaitcam {
@@ -34,8 +35,27 @@ PlaneState FloorPlaneState(const Pose& X_WC) {
   return state;
 }
 
+namespace {
+
+/// The smallest rotation that turns one vector to the direction of another; of opposite ones, a half turn. Eigen's
+/// FromTwoVectors is the same but for the axis of that half turn, for which it decomposes a matrix: that takes the
+/// compiler several seconds.
+Eigen::Quaterniond RotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d a = from.normalized(), b = to.normalized();
+  const double cosine = b.dot(a);
+  constexpr double kOpposite = -1 + 1e-12;
+  if (cosine < kOpposite) return Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, a.unitOrthogonal()));
+  const double twice_w = std::sqrt((1 + cosine) * 2);
+  Eigen::Quaterniond q;
+  q.vec() = a.cross(b) * (1 / twice_w);
+  q.w() = twice_w * 0.5;
+  return q;
+}
+
+}  // namespace
+
 Pose Upright(const Pose& X_WC, const Eigen::Vector3d& up_C, double height) {
-  const Eigen::Quaterniond fix = Eigen::Quaterniond::FromTwoVectors(X_WC.rotation * up_C, Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond fix = RotationBetween(X_WC.rotation * up_C, Eigen::Vector3d::UnitZ());
   const Eigen::Vector2d p = X_WC.translation.head<2>();
   return {fix * X_WC.rotation, {p.x(), p.y(), height}};
 }

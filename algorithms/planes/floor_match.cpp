@@ -1,11 +1,10 @@
 #include "algorithms/planes/floor_match.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "algorithms/core/small_solvers.h"
 #include "algorithms/core/units.h"
 
 namespace gaitcam {
@@ -98,14 +97,14 @@ std::optional<FloorMatch> MatchFloor(const std::vector<KnownFloor>& known, const
       comparison = AgreementOf(known, patch, level, pose(), state[3], state[4], options.noise_grey);
       if (comparison.points < options.min_points >> level) return std::nullopt;
       H = options.independent * comparison.H + prior;
-      const Vector5 step = H.ldlt().solve(options.independent * comparison.g - prior * (state - start));
+      const Vector5 step = SolveSymmetric<5>(H, options.independent * comparison.g - prior * (state - start));
       state += step;
       if (step.head<2>().norm() < kStep_m && std::abs(step[2]) < kStep_m) break;
     }
   }
   FloorMatch match;
   match.moved = state.head<3>();
-  match.covariance = H.inverse().topLeftCorner<3, 3>();
+  match.covariance = Inverse(H).topLeftCorner<3, 3>();
   match.covariance.diagonal() += Eigen::Vector3d(std::pow(options.min_sigma_m, 2), std::pow(options.min_sigma_m, 2),
                                                  std::pow(options.min_sigma_deg * kRadPerDeg, 2));
   match.points = comparison.points;

@@ -1,9 +1,10 @@
 #include "algorithms/planes/floor_regions.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "algorithms/core/small_solvers.h"
 #include "algorithms/core/units.h"
 
 namespace gaitcam {
@@ -63,9 +64,7 @@ std::vector<FloorRegion> JudgeRegions(const PlaneAligner& aligner, const CameraM
       region.judged = own.inside_ratio >= aligner.options().min_inside_ratio;
       region.shift_px = MeanShift_px(camera, part.points.front(), own.state, floor);
       region.tilt_deg = kDegPerRad * std::acos(std::clamp(n.dot(up), -1.0, 1.0));
-      region.tilt_sigma_deg =
-          kDegPerRad *
-          std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues()[2]));
+      region.tilt_sigma_deg = kDegPerRad * std::sqrt(std::max(0.0, EigenOfSymmetric(spread).values[2]));
       region.correlation = own.correlation;
       const bool leans = region.tilt_deg > options.max_tilt_deg + 3 * region.tilt_sigma_deg;
       region.is_floor = !region.judged || (region.shift_px <= options.max_shift_px && !leans &&

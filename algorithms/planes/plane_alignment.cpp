@@ -1,6 +1,5 @@
 #include "algorithms/planes/plane_alignment.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/median.h"
+#include "algorithms/core/small_solvers.h"
 
 namespace gaitcam {
 namespace {
@@ -100,7 +100,7 @@ void Describe(const std::vector<PlaneResidual>& residuals, size_t points, double
 }
 
 void DescribeCovariance(const Equations& e, const PlaneState& state, const Eigen::Matrix3d& M, PlaneAlignment& result) {
-  const Matrix11 covariance = e.H.ldlt().solve(Matrix11::Identity());
+  const Matrix11 covariance = InverseOfSymmetric(e.H);
   const Eigen::Matrix3d J = M * (M.inverse() * state.normal_d).asDiagonal();
   result.motion_covariance = covariance.topLeftCorner<6, 6>();
   result.normal_covariance = J * covariance.block<3, 3>(6, 6) * J.transpose();
@@ -140,7 +140,7 @@ PlaneAlignment PlaneAligner::Align(const PlaneReference& reference, const ImageP
       Describe(residuals, level.points(), sigma, result);
       Equations equations = Accumulate(residuals, sigma, options_);
       AddPrior(result.state, guess, prior, level, equations);
-      const Vector11 step = equations.H.ldlt().solve(equations.g);
+      const Vector11 step = SolveSymmetric(equations.H, equations.g);
       if (!step.allFinite()) return result;
       const PlaneState updated = Updated(result.state, level.M(), step);
       const double moved_px = level.Displacement_px(result.state, step.head<9>());

@@ -1,9 +1,9 @@
 #include "scenarios/code/datasets/floor_intrinsics.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "algorithms/core/median.h"
+#include "algorithms/core/small_solvers.h"
 
 namespace gaitcam {
 namespace {
@@ -48,11 +48,11 @@ std::optional<FloorIntrinsics> FloorFit::Fit() const {
       ++count;
     }
     if (count < kMin) return std::nullopt;
-    c = normal.ldlt().solve(right);
+    c = SolveSymmetric(normal, right);
     window = next_window;
   }
   const double variance = sum / double(count);
-  const Eigen::Matrix4d covariance = variance * normal.ldlt().solve(Eigen::Matrix4d::Identity());
+  const Eigen::Matrix4d covariance = variance * InverseOfSymmetric(normal);
   FloorIntrinsics fit;
   fit.fx = camera_.fx / c[0];
   fit.fy = camera_.fy / c[2];
