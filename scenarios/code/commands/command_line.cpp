@@ -178,8 +178,7 @@ void AddWork(CLI::App& app, Arguments& a) {
 }
 
 void AddStudy(CLI::App& app, Arguments& a) {
-  CLI::App* verb =
-      app.add_subcommand("study", "run a scenario over axes of values and seeds, and say what made a difference");
+  CLI::App* verb = app.add_subcommand("study", "run a scenario over axes of values and seeds: what makes a difference");
   verb->add_option("study", a.study.file, "study file (YAML), or the name of a shipped one")->required();
   verb->add_option("--out", a.study.out, "folder of the results (default: studies/NAME)");
   verb->add_option("-j,--jobs", a.study.jobs, "runs at once (default: one per core)")->check(CLI::PositiveNumber);
@@ -322,9 +321,8 @@ void AddVerbs(CLI::App& app, Arguments& a) {
 
 int CommandLine(int argc, char** argv) {
   Arguments a;
-  CLI::App app(
-      "gaitcam makes a humanoid walk, films the walk with a real exposure, runs visual SLAM on it and scores it.",
-      "gaitcam");
+  CLI::App app("A humanoid walks, its camera films with a real exposure, visual SLAM tracks the film and is scored.",
+               "gaitcam");
   AddVerbs(app, a);
   const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   if (!words.empty() && words.front() == "complete") return PrintCompletions(app, {words.begin() + 1, words.end()});

@@ -78,7 +78,7 @@ class PackageTest : public testing::Test {
 TEST_F(PackageTest, InstalledInAnEmptyRootItRunsForAnybodyAndWritesNothingElsewhere) {
   MakePackages();
   for (const char* name :
-       {"libmujoco", "libopencv-core", "libceres", "libegl-mesa0", "libgl1-mesa-dri", "libjs-chart.js"})
+       {"libmujoco", "libopencv-core", "libyaml-cpp", "libegl-mesa0", "libgl1-mesa-dri", "libjs-chart.js"})
     EXPECT_THAT(DependenciesOf("gaitcam"), HasSubstr(name));
   for (const char* name : {"libeigen3-dev", "libopencv-dev", "libceres-dev"})
     EXPECT_THAT(DependenciesOf("gaitcam-dev"), HasSubstr(name));
