@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 const fs::path kBuild = GAITCAM_BUILD_DIR;
-constexpr const char* kNobody = "64999";  // a user without a name, whose files nobody else makes
+const std::string kNobody = "64999";  // a user without a name, whose files nobody else makes
 
 /// A short walk of the quick start: one second in few pixels.
 constexpr const char* kShort =
@@ -43,7 +43,7 @@ class PackageTest : public testing::Test {
   /// As a user's shell would, in a folder of the user's own that is also the home.
   ProgramResult Gaitcam(const std::string& words) const {
     const std::string other_user =
-        AsRoot() ? std::string("setpriv --clear-groups --regid=") + kNobody + " --reuid=" + kNobody + " " : "";
+        AsRoot() ? "setpriv --clear-groups --regid=" + kNobody + " --reuid=" + kNobody + " " : "";
     return RunShell("cd home && " + other_user + "env -u GAITCAM_DATA -u GAITCAM_PROGRAM -u XDG_CACHE_HOME HOME=$PWD " +
                         (root() / "usr/bin/gaitcam").string() + " " + words,
                     folder());
@@ -61,13 +61,13 @@ class PackageTest : public testing::Test {
   }
   void MakeHome() const {
     fs::create_directories(folder() / "home");
-    if (AsRoot()) Shell(std::string("chown ") + kNobody + " home");
+    if (AsRoot()) Shell("chown " + kNobody + " home");
     Shell("touch installed; sleep 0.01");
   }
   void ExpectNothingWrittenOutsideHome() const {
     EXPECT_EQ(Shell("find root -newer installed").out, "") << "something was written into the installation";
     if (!AsRoot()) return;
-    const std::string find = std::string("find / -xdev -maxdepth 3 -uid ") + kNobody + " -newer installed";
+    const std::string find = "find / -xdev -maxdepth 3 -uid " + kNobody + " -newer installed";
     EXPECT_EQ(Shell(find + " -not -path '/proc/*' -not -path '" + folder().string() + "*' 2>/dev/null; true").out, "");
   }
   static bool AsRoot() { return geteuid() == 0; }
