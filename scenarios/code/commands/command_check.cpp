@@ -6,6 +6,7 @@
 #include "algorithms/core/errors.h"
 #include "results/reports/check_report.h"
 #include "scenarios/code/commands/commands.h"
+#include "scenarios/code/files/folders.h"
 #include "scenarios/code/jobs/check.h"
 #include "scenarios/code/jobs/self_test.h"
 #include "scenarios/code/jobs/suite.h"
@@ -141,6 +142,8 @@ int CheckCommand(const CheckArguments& arguments, const CommonOptions& common) {
   const Suite suite = ReadSuite(arguments.suite);
   const fs::path file =
       arguments.baseline.empty() ? BaselineFileOf(arguments.suite, suite) : fs::path(arguments.baseline);
+  if (arguments.update && IsInstalled() && file.string().starts_with(DataFolder().string()))
+    throw BadInput(file.string() + ": belongs to the installation; write a baseline of yours with --baseline FILE");
   const InterruptGuard guard;
   const ExecutorOptions options = ExecutorOptionsOf(arguments, suite, common, guard);
   if (arguments.update) return Update(arguments, common, suite, file, options);

@@ -3,10 +3,15 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 
 #include "algorithms/core/errors.h"
 #include "scenarios/code/commands/commands.h"
+#include "scenarios/code/commands/completion.h"
+#include "scenarios/code/commands/manual_page.h"
+#include "scenarios/code/commands/parser_words.h"
+#include "scenarios/code/files/folders.h"
 #include "scenarios/code/files/versions.h"
 #include "scenarios/code/runs/exit_code.h"
 
@@ -16,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void AddScenario(CLI::App& verb, ScenarioArguments& arguments) {
-  verb.add_option("scenario", arguments.file, "scenario file (YAML)")->required();
+  verb.add_option("scenario", arguments.file, "scenario file (YAML), or the name of a shipped one")->required();
   verb.add_option("--set", arguments.sets, "set any key of the scenario, e.g. gait.period_s=0.3 (repeatable)")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
@@ -47,6 +52,9 @@ struct Arguments {
   WorkArguments work;
   StudyArguments study;
   SchemaArguments schema;
+  ListArguments list;
+  std::string help_verb;  ///< Of which help is asked.
+  bool manual = false;    ///< The manual page instead.
 };
 
 void AddRun(CLI::App& app, Arguments& a) {
@@ -93,7 +101,7 @@ void AddTrack(CLI::App& app, Arguments& a) {
   CLI::App* verb = app.add_subcommand("track", "run a SLAM system on a dataset folder, ours or anybody's");
   verb->add_option("dataset", a.track.dataset, "folder in TUM RGB-D or EuRoC ASL layout")->required();
   verb->add_option("--system", a.track.system,
-                   "one of `gaitcam list`, a .so, a .yaml, or {process: [...]} and the like as in a scenario")
+                   "one of gaitcam list systems, a .so, a .yaml, or {process: [...]} and the like as in a scenario")
       ->capture_default_str();
   verb->add_option("--set", a.track.sets, "setting of the system, e.g. ratio=0.7 (repeatable)")
       ->allow_extra_args(false)
@@ -143,9 +151,8 @@ void AddExperiment(CLI::App& app) {
 }
 
 /// @returns only if there is no such program.
-int RunExperiment(const CLI::App& verb) {
+int RunExperiment(std::vector<std::string> words) {
   const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "gaitcam_experiments";
-  std::vector<std::string> words = verb.remaining();
   words.insert(words.begin(), program.string());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
@@ -186,9 +193,8 @@ void AddWork(CLI::App& app, Arguments& a) {
 }
 
 void AddStudy(CLI::App& app, Arguments& a) {
-  CLI::App* verb =
-      app.add_subcommand("study", "run a scenario over axes of values and seeds, and say what made a difference");
-  verb->add_option("study", a.study.file, "study file (YAML)")->required();
+  CLI::App* verb = app.add_subcommand("study", "run a scenario over axes of values and seeds: what makes a difference");
+  verb->add_option("study", a.study.file, "study file (YAML), or the name of a shipped one")->required();
   verb->add_option("--out", a.study.out, "folder of the results (default: studies/NAME)");
   verb->add_option("-j,--jobs", a.study.jobs, "runs at once (default: one per core)")->check(CLI::PositiveNumber);
   AddCache(*verb, a.study.cache);
@@ -217,32 +223,89 @@ void AddSchema(CLI::App& app, Arguments& a) {
       "Example:\n  gaitcam schema study >study.schema.json");
 }
 
+void AddValidate(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("validate", "say what is wrong with a scenario, or with a dataset");
+  AddScenario(*verb, a.validate);
+  verb->get_option("scenario")->description("scenario file, or the folder of a dataset or of one recording");
+  verb->footer(
+      "Examples:\n"
+      "  gaitcam validate scenarios/quickstart.yaml --set gait.step_length_m=0.2\n"
+      "  gaitcam validate datasets/blur");
+}
+
+void AddList(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("list", "name robots, scenes, systems and scenarios");
+  verb->add_option("kind", a.list.kind, "robots, scenes, systems or scenarios (default: all)");
+  verb->add_option("name", a.list.name, "one of them: gaits of a robot, options of a system");
+  verb->footer(
+      "Examples:\n"
+      "  gaitcam list systems mobif_vo\n"
+      "  gaitcam list robots khr1hv");
+}
+
+void AddHelp(CLI::App& app, Arguments& a) {
+  CLI::App* verb = app.add_subcommand("help", "say what a verb does: gaitcam help run");
+  verb->add_option("verb", a.help_verb, "the verb (default: all in a line each)");
+  verb->add_flag("--man", a.manual, "the manual page, for man")->group("");
+}
+
+/// What `gaitcam VERB --help` prints, or `gaitcam --help`.
+int HelpCommand(const CLI::App& app, const Arguments& a) {
+  if (a.manual) {
+    std::fputs(ManualPage(app, ProgramVersion()).c_str(), stdout);
+    return 0;
+  }
+  if (a.help_verb == "experiment") return RunExperiment({"--help"});
+  const CLI::App* verb = a.help_verb.empty() ? nullptr : FindVerb(app, a.help_verb);
+  if (verb == nullptr && !a.help_verb.empty()) throw BadInput(NoSuchVerb(app, a.help_verb));
+  const std::string help = verb != nullptr
+                               ? verb->help(app.get_name())
+                               : app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal);
+  std::fputs(help.c_str(), stdout);
+  return 0;
+}
+
+/// What a shell asks for; never a word on standard error, which would spoil the line that is being typed.
+int PrintCompletions(const CLI::App& app, const std::vector<std::string>& words) {
+  try {
+    for (const std::string& word : Completions(app, words)) std::puts(word.c_str());
+  } catch (const std::exception&) {
+    return 4;
+  }
+  return 0;
+}
+
+/// Shipped files that are named by their names become paths.
+void FindFiles(Arguments& a) {
+  const std::pair<const char*, fs::path*> files[] = {{"run", &a.run.scenario.file},
+                                                     {"record", &a.record.scenario.file},
+                                                     {"validate", &a.validate.file},
+                                                     {"study", &a.study.file}};
+  for (const auto& [verb, file] : files) *file = UsersOrShipped(*file, ShippedFoldersOf(verb));
+}
+
 /// Carries out the verb that was given.
 int Dispatch(const CLI::App& app, Arguments& a) {
+  FindFiles(a);
   if (app.got_subcommand("run")) return RunCommand(a.run, a.common);
   if (app.got_subcommand("record")) return RecordCommand(a.record, a.common);
   if (app.got_subcommand("film")) return FilmCommand(a.film, a.common);
   if (app.got_subcommand("track")) return TrackCommand(a.track, a.common);
   if (app.got_subcommand("serve")) return ServeCommand(a.serve);
   if (app.got_subcommand("score")) return ScoreCommand(a.score, a.common);
-  if (app.got_subcommand("experiment")) return RunExperiment(*app.get_subcommand("experiment"));
+  if (app.got_subcommand("experiment")) return RunExperiment(app.get_subcommand("experiment")->remaining());
   if (app.got_subcommand("features")) throw BadInput("features: is now gaitcam experiment features");
   if (app.got_subcommand("validate")) return ValidateCommand(a.validate, a.common);
   if (app.got_subcommand("study")) return StudyCommand(a.study, a.common);
   if (app.got_subcommand("check")) return CheckCommand(a.check, a.common);
   if (app.got_subcommand("schema")) return SchemaCommand(a.schema);
   if (app.got_subcommand("work")) return WorkCommand(a.work, a.common);
-  if (app.got_subcommand("list")) return ListCommand(a.common);
+  if (app.got_subcommand("list")) return ListCommand(a.list, a.common);
+  if (app.got_subcommand("help")) return HelpCommand(app, a);
   return DoctorCommand(a.common);
 }
 
-}  // namespace
-
-int CommandLine(int argc, char** argv) {
-  Arguments a;
-  CLI::App app(
-      "gaitcam makes a humanoid walk, films the walk with a real exposure, runs visual SLAM on it and scores it.",
-      "gaitcam");
+void AddVerbs(CLI::App& app, Arguments& a) {
   app.require_subcommand(1);
   app.set_version_flag("--version", ProgramVersion());
   app.fallthrough();
@@ -259,27 +322,36 @@ int CommandLine(int argc, char** argv) {
   AddSchema(app, a);
   AddCheck(app, a);
   AddWork(app, a);
-  CLI::App* validate = app.add_subcommand("validate", "say what is wrong with a scenario, or with a dataset");
-  AddScenario(*validate, a.validate);
-  validate->get_option("scenario")->description("scenario file, or the folder of a dataset or of one recording");
-  validate->footer(
-      "Examples:\n"
-      "  gaitcam validate scenarios/quickstart.yaml --set gait.step_length_m=0.2\n"
-      "  gaitcam validate datasets/blur");
-  app.add_subcommand("list", "name robots, gaits, scenes and systems");
+  AddValidate(app, a);
+  AddList(app, a);
   app.add_subcommand("doctor", "print versions, the EGL device, and what is missing");
+  AddHelp(app, a);
   app.footer(
       "Examples:\n"
-      "  gaitcam run scenarios/quickstart.yaml\n"
+      "  gaitcam run quickstart\n"
       "  gaitcam record scenarios/quickstart.yaml --format euroc --out datasets/walk\n"
       "Exit codes: 0 done; 2 bad input; 3 too little covered to score; 4 the machine lacks something;\n"
       "130 interrupted, what is finished is kept.");
+}
+
+}  // namespace
+
+int CommandLine(int argc, char** argv) {
+  Arguments a;
+  CLI::App app("A humanoid walks, its camera films with a real exposure, visual SLAM tracks the film and is scored.",
+               "gaitcam");
+  AddVerbs(app, a);
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (!words.empty() && words.front() == "complete") return PrintCompletions(app, {words.begin() + 1, words.end()});
+  if (const auto unknown = UnknownVerb(app, words)) return Fail(2, NoSuchVerb(app, *unknown));
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help, --version
+  } catch (const CLI::ExtrasError&) {
+    return Fail(2, UnexpectedWord(app));
   } catch (const CLI::ParseError& e) {
-    return Fail(2, std::string(e.what()) + "; see gaitcam --help");
+    return Fail(2, std::string(e.what()) + "; " + WhereToLook(app));
   }
   return WithExitCode([&] { return Dispatch(app, a); });
 }

@@ -4,7 +4,6 @@
 #include "algorithms/io/covariance_file.h"
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/trajectory_file.h"
-#include "models/code/yaml/yaml_reader.h"
 #include "results/scoring/score.h"
 #include "results/scoring/score_text.h"
 #include "scenarios/code/commands/commands.h"
@@ -18,22 +17,6 @@
 namespace gaitcam {
 namespace fs = std::filesystem;
 namespace {
-
-/// `--system` is a name, a map as under `system:` of a scenario, a shared library, or a YAML file that holds such a
-/// map.
-SystemChoice ChoiceOf(const TrackArguments& arguments) {
-  const bool is_file = arguments.system.ends_with(".yaml");
-  OptionValue root = is_file ? OptionValue::Map({{"system", {}, LoadYaml(arguments.system)}}, {})
-                             : ParseYaml("system: " + arguments.system, "--system");
-  if (!arguments.sets.empty() && root.Child("system").IsScalar()) {
-    root.Set("system", OptionValue::Map({{"name", {}, root.Child("system")}}, {}));
-  }
-  for (const std::string& assignment : arguments.sets) SetOption(root, "system." + assignment);
-  SystemChoice choice;
-  ReadOption(root.Child("system"), choice);
-  ResolveFiles(root.Child("system"), is_file ? fs::path(arguments.system).parent_path() : fs::path(), choice);
-  return choice;
-}
 
 /// Scores the estimate if the truth lies beside the dataset; else nothing.
 /// @throws TooLittleData, which says so if the system failed.
@@ -63,7 +46,7 @@ void PrintOutcome(const TrackArguments& arguments, const Estimate& estimate, con
 
 int TrackCommand(const TrackArguments& arguments, const CommonOptions& common) {
   const fs::path sensors = FindDataset(arguments.dataset);
-  const SystemChoice choice = ChoiceOf(arguments);
+  const SystemChoice choice = ParseSystemChoice(arguments.system, arguments.sets);
   DatasetReader reader(sensors);
   if (const auto lack = LackInDataset(InfoOf(choice), reader.calibration(), sensors)) throw BadInput(*lack);
   const fs::path out = arguments.out.empty() ? fs::path("estimate-" + choice.name + ".txt") : arguments.out;

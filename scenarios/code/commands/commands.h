@@ -118,9 +118,18 @@ struct SchemaArguments {
 };
 int SchemaCommand(const SchemaArguments& arguments);
 
+struct ListArguments {
+  std::string kind;  ///< One of ListedKinds(); empty: all of them.
+  std::string name;  ///< The one to be told more of.
+};
+/// "robots", "scenes", "systems", "scenarios".
+const std::vector<std::string>& ListedKinds();
+/// The names of a kind, sorted; none for a kind that is not listed.
+std::vector<std::string> ListedNames(const std::string& kind);
+int ListCommand(const ListArguments& arguments, const CommonOptions& common);
+
 /// `file` is a scenario, or the folder of a dataset.
 int ValidateCommand(const ScenarioArguments& scenario, const CommonOptions& common);
-int ListCommand(const CommonOptions& common);
 int DoctorCommand(const CommonOptions& common);
 
 }  // namespace gaitcam

@@ -1,8 +1,9 @@
 #include "scenarios/code/files/folders.h"
 
+#include <algorithm>
 #include <cstdlib>
-#include <vector>
 
+#include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
 
 namespace gaitcam {
@@ -22,5 +23,34 @@ fs::path DataFolder() {
 }
 
 fs::path ModelsFolder() { return DataFolder() / "models"; }
+
+bool IsInstalled() { return !fs::exists(DataFolder() / "CMakeLists.txt"); }
+
+std::vector<std::string> ShippedNames(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(DataFolder() / folder, error)) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+fs::path UsersOrShipped(const fs::path& named, const std::vector<std::string>& folders) {
+  if (named.empty() || named.is_absolute() || fs::exists(named)) return named;
+  if (named.has_extension() || named.has_parent_path()) {
+    const fs::path shipped = DataFolder() / named;
+    return named.begin()->string() == "scenarios" && fs::is_regular_file(shipped) ? shipped : named;
+  }
+  std::vector<std::string> known;
+  for (const std::string& folder : folders) {
+    for (const std::string& name : ShippedNames(folder)) {
+      if (name == named) return DataFolder() / folder / (name + ".yaml");
+      known.push_back(name);
+    }
+  }
+  throw BadInput(named.string() + ": neither a file nor the name of a shipped one; " +
+                 DidYouMean(named.string(), known, "see gaitcam list"));
+}
 
 }  // namespace gaitcam

@@ -1,8 +1,10 @@
-/// Where the shipped robots, scenes and scenarios lie, wherever the program was started from.
+/// Where the shipped robots, scenes and scenarios lie, wherever the program was started from, and what they are called.
 
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace gaitcam {
 
@@ -13,5 +15,17 @@ std::filesystem::path DataFolder();
 
 /// DataFolder() / "models".
 std::filesystem::path ModelsFolder();
+
+/// Whether the data folder is that of an installation, where nobody writes, and not that of the sources.
+bool IsInstalled();
+
+/// The names of the YAML files in a folder of the data folder ("scenarios", "scenarios/suites"), sorted.
+std::vector<std::string> ShippedNames(const std::string& folder);
+
+/// The file that a user names: one of that path, else a shipped one, by its path in the data folder
+/// ("scenarios/quickstart.yaml") or by its name ("quickstart") in one of `folders`. A path that leads nowhere is
+/// returned as it is.
+/// @throws BadInput for a bare name that none of the folders has, with the nearest that there is.
+std::filesystem::path UsersOrShipped(const std::filesystem::path& named, const std::vector<std::string>& folders);
 
 }  // namespace gaitcam

@@ -4,12 +4,13 @@
 #include <filesystem>
 
 #include "algorithms/core/errors.h"
+#include "scenarios/code/runs/terminal_text.h"
 
 namespace gaitcam {
 
 int Fail(int code, const std::string& line) {
   std::fflush(stdout);
-  std::fprintf(stderr, "gaitcam: %s\n", line.c_str());
+  std::fprintf(stderr, "%s %s\n", Red("gaitcam:", stderr).c_str(), line.c_str());
   return code;
 }
 

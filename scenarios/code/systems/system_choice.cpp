@@ -4,6 +4,7 @@
 #include <set>
 
 #include "algorithms/io/checksum.h"
+#include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
 #include "scenarios/code/systems/sandbox.h"
 #include "scenarios/code/systems/subprocess.h"
@@ -237,6 +238,21 @@ void ResolveFiles(const OptionValue& node, const fs::path& folder, SystemChoice&
     choice.plugin->plugin = *file;
     ResolveDepends(node, folder, choice.plugin->depends);
   }
+}
+
+SystemChoice ParseSystemChoice(const std::string& text, const std::vector<std::string>& sets) {
+  const bool is_file = text.ends_with(".yaml");
+  OptionValue root =
+      is_file ? OptionValue::Map({{"system", {}, LoadYaml(text)}}, {}) : ParseYaml("system: " + text, "--system");
+  if (!sets.empty() && root.Child("system").IsScalar()) {
+    const char* const key = text.ends_with(".so") ? "plugin" : "name";
+    root.Set("system", OptionValue::Map({{key, {}, root.Child("system")}}, {}));
+  }
+  for (const std::string& assignment : sets) SetOption(root, "system." + assignment);
+  SystemChoice choice;
+  ReadOption(root.Child("system"), choice);
+  ResolveFiles(root.Child("system"), is_file ? fs::path(text).parent_path() : fs::path(), choice);
+  return choice;
 }
 
 std::vector<fs::path> FilesOf(const SystemChoice& choice) {

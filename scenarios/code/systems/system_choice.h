@@ -140,6 +140,11 @@ void ReadOption(const OptionValue& node, SystemChoice& value);
 void WriteYaml(YAML::Emitter& out, const SystemSettings& value);
 void WriteYaml(YAML::Emitter& out, const SystemChoice& value);
 
+/// What a command line names: one of ours, a shared library (.so), a map as above, or a YAML file that holds one.
+/// @param sets "name=value", settings on top
+/// @throws BadInput.
+SystemChoice ParseSystemChoice(const std::string& text, const std::vector<std::string>& sets = {});
+
 /// Words that name files become absolute paths: of those in `folder` first, then of those in the working folder.
 /// @param node that was read, where messages point
 /// @throws BadInput, located: a program or file that is not there.

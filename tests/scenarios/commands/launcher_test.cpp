@@ -47,7 +47,7 @@ TEST_F(LauncherTest, AMachineWithoutAptIsToldInOneLine) {
   for (const char* tool : {"bash", "readlink", "dirname", "id", "grep"}) {
     fs::create_symlink(fs::path("/usr/bin") / tool, File("bin") / tool);
   }
-  for (const char* words : {"run walk.yaml", "experiment --list", "test", "benchmark"}) {
+  for (const char* words : {"run walk.yaml", "experiment --list", "test", "benchmark", "package"}) {
     const ProgramResult result = Shell("env -i PATH=" + File("bin").string() + " " + kLauncher.string() + " " + words);
     EXPECT_EQ(result.exit_code, 4) << result.err;
     EXPECT_EQ(Lines(result.err), 1) << result.err;
@@ -58,6 +58,8 @@ TEST_F(LauncherTest, AMachineWithoutAptIsToldInOneLine) {
 
 TEST_F(LauncherTest, ASecondCallBuildsNothingAndSaysNothing) {
   MakeProject("#include <cstdio>\nint main(int n, char** words) { std::puts(n > 1 ? words[1] : \"\"); return 7; }\n");
+  EXPECT_EQ(Shell("project/gaitcam complete li").exit_code, 0);
+  EXPECT_FALSE(fs::exists(File("project/build"))) << "completion is no reason to build";
   const ProgramResult first = Shell("project/gaitcam list");
   EXPECT_EQ(first.exit_code, 7) << first.err;
   EXPECT_EQ(first.out, "list\n");

@@ -143,7 +143,7 @@ TEST_F(RunTest, ListAndDoctorAnswer) {
   const ProgramResult list = Run("list");
   EXPECT_EQ(list.exit_code, 0) << list.err;
   for (const char* name : {"khr1hv", "robovie_m", "nimbro", "omni_base", "lab", "corridor", "hall", "tabletop", "plain",
-                           "robocup_field", "sift_vo", "brisk"}) {
+                           "robocup_field", "sift_vo", "brisk", "quickstart"}) {
     EXPECT_THAT(list.out, HasSubstr(name));
   }
   const ProgramResult doctor = Run("doctor --json");
