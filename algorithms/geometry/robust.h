@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "algorithms/core/errors.h"
 #include "algorithms/geometry/mlesac.h"
 #include "algorithms/geometry/preemptive_ransac.h"
 #include "algorithms/geometry/ransac.h"
