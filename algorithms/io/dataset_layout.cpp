@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kExpected = "expected rgb.txt (TUM RGB-D), mav0/cam0/data.csv (EuRoC ASL) or rgb.csv (VSLAM-LAB)";
 
-std::optional<DatasetFormat> FormatOf(const fs::path& folder) {
+std::optional<DatasetFormat> LayoutOf(const fs::path& folder) {
   if (fs::exists(folder / "mav0" / "cam0" / "data.csv")) return DatasetFormat::kEuroc;
   if (fs::exists(folder / "rgb.txt")) return DatasetFormat::kTum;
   if (fs::exists(folder / "rgb.csv")) return DatasetFormat::kVslamlab;
@@ -109,10 +109,10 @@ DatasetFolders DatasetFolders::In(const fs::path& out, const std::string& name) 
 
 fs::path FindDataset(const fs::path& folder) {
   if (!fs::is_directory(folder)) throw BadInput(folder.string() + ": there is no such folder");
-  if (FormatOf(folder)) return folder;
+  if (LayoutOf(folder)) return folder;
   std::vector<fs::path> found;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && FormatOf(entry.path())) found.push_back(entry.path());
+    if (entry.is_directory() && LayoutOf(entry.path())) found.push_back(entry.path());
   }
   if (found.size() == 1) return found[0];
   if (found.empty()) throw BadInput(folder.string() + ": is no dataset; " + kExpected);
@@ -121,7 +121,7 @@ fs::path FindDataset(const fs::path& folder) {
 }
 
 DatasetFormat FormatOfDataset(const fs::path& folder) {
-  if (const auto format = FormatOf(folder)) return *format;
+  if (const auto format = LayoutOf(folder)) return *format;
   throw BadInput(folder.string() + ": is no dataset; " + kExpected);
 }
 
