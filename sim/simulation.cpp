@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "algorithms/core/clock.h"
 #include "algorithms/core/errors.h"
 #include "sim/walking/walker.h"
 
@@ -60,6 +61,20 @@ class LineFit {
 void CheckFinite(const char* what, const Eigen::Vector3d& numbers) {
   if (!numbers.allFinite())
     throw BadInput(std::string("the system commanded a ") + what + " that is not finite; expected three numbers");
+}
+
+/// The world's clock begins at 0, the sensors' at kClockStart_ns.
+void ToSensorClock(SimulatedFrame& frame) {
+  const auto shift = [](int64_t& stamp_ns) { stamp_ns += kClockStart_ns; };
+  Observation& seen = frame.observation;
+  shift(seen.stamp_ns);
+  shift(seen.image.stamp_ns);
+  if (seen.right) shift(seen.right->stamp_ns);
+  if (seen.depth) shift(seen.depth->stamp_ns);
+  for (ImuSample& sample : seen.imu) shift(sample.stamp_ns);
+  for (JointSample& sample : seen.joints) shift(sample.stamp_ns);
+  shift(frame.truth.stamp_ns);
+  for (Subframe& subframe : frame.truth.subframes) shift(subframe.stamp_ns);
 }
 
 constexpr int64_t kPanFit_ns = 12'000'000;  ///< Readings so near to mid-exposure tell the pan.
@@ -262,6 +277,7 @@ SimulatedFrame Simulation::Film(const TruthOptions& truth) {
   frame.observation.scan = ScanAt(stamp_ns);
   frame.truth = std::move(exposed.left.truth);
   FillTruth(stamp_ns, frame.truth);
+  ToSensorClock(frame);
   return frame;
 }
 

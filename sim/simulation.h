@@ -31,6 +31,7 @@ struct SimulationOptions {
   std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg; the scene's own if absent.
 };
 
+/// All stamps are of the sensors' clock, which shows kClockStart_ns (algorithms/core/clock.h) when the walk begins.
 struct SimulatedFrame {
   Observation observation;
   FilmedTruth truth;  ///< Never shown to an estimator.

@@ -16,21 +16,22 @@ void GyroTurn::DropBefore(int64_t stamp_ns) {
   samples_.erase(samples_.begin(), std::find_if_not(samples_.begin(), samples_.end(), old));
 }
 
-std::optional<Eigen::Vector3d> GyroTurn::Between(double from_ns, double to_ns) const {
+std::optional<Eigen::Vector3d> GyroTurn::Between(int64_t from_ns, int64_t to_ns) const {
   constexpr double kMinCoverage = 0.7;
-  const double half_period_ns = 0.5e9 / imu_.rate_hz;
+  const double half_period_ns = 0.5e9 / imu_.rate_hz, span_ns = double(to_ns - from_ns);
   Eigen::Quaterniond R_FT = Eigen::Quaterniond::Identity();
   double covered_ns = 0;
   for (const ImuSample& sample : samples_) {
-    const double begin = std::max(from_ns, double(sample.stamp_ns) - half_period_ns);
-    const double end = std::min(to_ns, double(sample.stamp_ns) + half_period_ns);
+    const double stamp_ns = double(sample.stamp_ns - from_ns);  // from here on, since the first instant
+    const double begin = std::max(0.0, stamp_ns - half_period_ns);
+    const double end = std::min(span_ns, stamp_ns + half_period_ns);
     if (end <= begin) continue;
     covered_ns += end - begin;
     const Eigen::Vector3d rate_C = imu_.X_CI.rotation * sample.angular_rate - bias_;
     R_FT = R_FT * ExpSo3(rate_C * (end - begin) * 1e-9);
   }
-  if (covered_ns < kMinCoverage * (to_ns - from_ns)) return std::nullopt;
-  return LogSo3(R_FT) * ((to_ns - from_ns) / covered_ns);
+  if (covered_ns < kMinCoverage * span_ns) return std::nullopt;
+  return LogSo3(R_FT) * (span_ns / covered_ns);
 }
 
 void GyroTurn::LearnBias(const Eigen::Vector3d& excess_rad, double time_s, double sigma_rad) {

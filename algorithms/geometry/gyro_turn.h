@@ -22,10 +22,10 @@ class GyroTurn {
   void DropBefore(int64_t stamp_ns);
   bool has_samples() const { return !samples_.empty(); }
 
-  /// The phi of R_FT = Exp(phi), F and T being the camera's frame at the two instants (ns). A sample is the mean rate
+  /// The phi of R_FT = Exp(phi), F and T being the camera's frame at the two instants. A sample is the mean rate
   /// over one period about its stamp; time that no sample covers is taken to turn alike.
   /// @returns nothing if samples cover less than 70 % of the interval.
-  std::optional<Eigen::Vector3d> Between(double from_ns, double to_ns) const;
+  std::optional<Eigen::Vector3d> Between(int64_t from_ns, int64_t to_ns) const;
 
   /// A Kalman filter of a constant.
   /// @param excess_rad the rotation vector by which the integrated rotation exceeds the true one, in the camera's

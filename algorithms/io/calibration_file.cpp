@@ -11,6 +11,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/fields.h"
+#include "algorithms/io/image_file.h"
 #include "algorithms/io/text_table.h"
 
 namespace gaitcam {
@@ -42,6 +43,18 @@ class YamlMap {
     const YAML::Node child = Required(key);
     if (!child.IsMap()) Fail(child, key + ": expected a map of keys and values");
     return {file_, child};
+  }
+
+  /// A list of maps.
+  std::vector<YamlMap> Maps(const std::string& key) const {
+    const YAML::Node list = Required(key);
+    if (!list.IsSequence() || list.size() == 0) Fail(list, key + ": expected a list of maps of keys and values");
+    std::vector<YamlMap> maps;
+    for (const YAML::Node& element : list) {
+      if (!element.IsMap()) Fail(element, key + ": expected a list of maps of keys and values");
+      maps.push_back({file_, element});
+    }
+    return maps;
   }
 
   double Number(const std::string& key) const { return Scalar<double>(Required(key), key, "a number"); }
@@ -108,12 +121,6 @@ class YamlMap {
   YAML::Node node_;
 };
 
-std::string List(const std::vector<double>& numbers) {
-  std::string text = "[";
-  for (size_t i = 0; i < numbers.size(); ++i) text += (i ? ", " : "") + ExactText(numbers[i]);
-  return text + "]";
-}
-
 const std::vector<std::string> kCameraKeys = {"width_px", "height_px", "fx", "fy", "cx", "cy",
                                               "k1",       "k2",        "p1", "p2", "k3"};
 
@@ -141,8 +148,8 @@ CameraModel ReadCamera(const YamlMap& map) {
 std::string PoseText(const std::string& indent, const std::string& key, const Pose& X) {
   const Eigen::Vector3d& t = X.translation;
   const Eigen::Quaterniond& q = X.rotation;
-  return indent + key + ":\n" + indent + "  translation_m: " + List({t.x(), t.y(), t.z()}) + "\n" + indent +
-         "  rotation_xyzw: " + List({q.x(), q.y(), q.z(), q.w()}) + "\n";
+  return indent + key + ":\n" + indent + "  translation_m: " + ExactList({t.x(), t.y(), t.z()}) + "\n" + indent +
+         "  rotation_xyzw: " + ExactList({q.x(), q.y(), q.z(), q.w()}) + "\n";
 }
 
 Pose ReadPose(const YamlMap& map) {
@@ -200,13 +207,13 @@ std::string MatrixText(const Pose& X) {
   return text;
 }
 
-Pose ReadMatrix(const YamlMap& sensor) {
-  const YamlMap map = sensor.Map("T_BS");
-  const std::vector<double> data = map.Numbers("data", 16);
+/// A list of 16 numbers, row by row.
+Pose ReadMatrix(const YamlMap& map, const std::string& key) {
+  const std::vector<double> data = map.Numbers(key, 16);
   const Eigen::Matrix4d M = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data.data());
   const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
   if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kNotUnit || R.determinant() < 0) {
-    map.Fail("data", "the upper left 3 x 3 numbers are not a rotation matrix");
+    map.Fail(key, "the upper left 3 x 3 numbers are not a rotation matrix");
   }
   return {R, M.topRightCorner<3, 1>()};
 }
@@ -216,15 +223,32 @@ Pose X_BC(const Calibration& calibration) {
   return calibration.imu.rate_hz > 0 ? calibration.imu.X_CI.Inverse() : Pose();
 }
 
-struct EurocCamera {
+/// [k1, k2, p1, p2], and k3 where it is not zero.
+std::vector<double> DistortionOf(const CameraModel& c) {
+  std::vector<double> distortion = {c.k1, c.k2, c.p1, c.p2};
+  if (c.k3 != 0) distortion.push_back(c.k3);
+  return distortion;
+}
+
+struct PlacedCamera {
   CameraModel camera;
   Pose X_BC;
   double rate_hz = 0;
 };
 
-EurocCamera ReadEurocCamera(const std::filesystem::path& file) {
+/// @param size [width, height] px @param k [fx, fy, cx, cy] @param d as DistortionOf gives them
+CameraModel Camera(const std::vector<double>& size, const std::vector<double>& k, const std::vector<double>& d) {
+  CameraModel c;
+  c.width_px = int(size[0]);
+  c.height_px = int(size[1]);
+  c.fx = k[0], c.fy = k[1], c.cx = k[2], c.cy = k[3];
+  c.k1 = d[0], c.k2 = d[1], c.p1 = d[2], c.p2 = d[3], c.k3 = d.size() > 4 ? d[4] : 0.0;
+  return c;
+}
+
+PlacedCamera ReadEurocCamera(const std::filesystem::path& file) {
   const YamlMap map(file);
-  EurocCamera result;
+  PlacedCamera result;
   if (const std::string model = map.Text("camera_model"); model != "pinhole") {
     map.Fail("camera_model", model + " is not supported; expected pinhole");
   }
@@ -236,14 +260,54 @@ EurocCamera ReadEurocCamera(const std::filesystem::path& file) {
                             d = map.Numbers("distortion_coefficients", 4, 5);
   if (!(size[0] >= 1 && size[1] >= 1)) map.Fail("resolution", "expected [width, height] in pixels");
   if (!(k[0] > 0 && k[1] > 0)) map.Fail("intrinsics", "expected [fu, fv, cu, cv] with positive focal lengths");
-  CameraModel& c = result.camera;
-  c.width_px = int(size[0]);
-  c.height_px = int(size[1]);
-  c.fx = k[0], c.fy = k[1], c.cx = k[2], c.cy = k[3];
-  c.k1 = d[0], c.k2 = d[1], c.p1 = d[2], c.p2 = d[3], c.k3 = d.size() > 4 ? d[4] : 0.0;
-  result.X_BC = ReadMatrix(map);
+  result.camera = Camera(size, k, d);
+  result.X_BC = ReadMatrix(map.Map("T_BS"), "data");
   result.rate_hz = map.Number("rate_hz");
   return result;
+}
+
+PlacedCamera ReadVslamlabCamera(const YamlMap& map) {
+  PlacedCamera result;
+  if (const std::string model = map.Text("cam_model"); model != "pinhole") {
+    map.Fail("cam_model", model + " is not supported; expected pinhole");
+  }
+  std::vector<double> distortion(4, 0.0);
+  if (map.Has("distortion_type")) {
+    const std::string type = map.Text("distortion_type");
+    if (type != "radtan4" && type != "radtan5") {
+      map.Fail("distortion_type", type + " is not supported; expected radtan4 or radtan5");
+    }
+    distortion = map.Numbers("distortion_coefficients", type == "radtan4" ? 4 : 5);
+  }
+  const std::vector<double> size = map.Numbers("image_dimension", 2), f = map.Numbers("focal_length", 2),
+                            c = map.Numbers("principal_point", 2);
+  if (!(size[0] >= 1 && size[1] >= 1)) map.Fail("image_dimension", "expected [width, height] in pixels");
+  if (!(f[0] > 0 && f[1] > 0)) map.Fail("focal_length", "expected two numbers greater than 0");
+  result.camera = Camera(size, {f[0], f[1], c[0], c[1]}, distortion);
+  result.X_BC = ReadMatrix(map, "T_BS");
+  result.rate_hz = map.Number("fps");
+  return result;
+}
+
+/// Row by row.
+std::string Flat(const Pose& X) {
+  const Eigen::Matrix4d M = X.Matrix();
+  std::vector<double> numbers;
+  for (int i = 0; i < 16; ++i) numbers.push_back(M(i / 4, i % 4));
+  return ExactList(numbers);
+}
+
+std::string VslamlabCamera(const Calibration& calibration, bool right, const std::string& type) {
+  const CameraModel& c = right ? *calibration.right : calibration.camera;
+  const Pose X_BS = right ? X_BC(calibration) * calibration.X_LR : X_BC(calibration);
+  const std::string depth = "    depth_name: depth_0\n    depth_factor: " + ExactText(kDepthUnitsPerMetre) + "\n";
+  return std::string("  - cam_name: ") + (right ? "rgb_1" : "rgb_0") + "\n    cam_type: " + type + "\n" +
+         (calibration.has_depth && !right ? depth : "") +
+         "    cam_model: pinhole\n    distortion_type: " + (c.k3 != 0 ? "radtan5" : "radtan4") +
+         "\n    focal_length: " + ExactList({c.fx, c.fy}) + "\n    principal_point: " + ExactList({c.cx, c.cy}) +
+         "\n    distortion_coefficients: " + ExactList(DistortionOf(c)) +
+         "\n    image_dimension: " + ExactList({double(c.width_px), double(c.height_px)}) +
+         "\n    fps: " + ExactText(calibration.frame_rate_hz) + "\n    T_BS: " + Flat(X_BS) + "\n";
 }
 
 }  // namespace
@@ -267,7 +331,7 @@ std::string CalibrationText(const Calibration& calibration) {
   if (!calibration.standing) return text;
   const Eigen::Vector3d& up = calibration.standing->up_C;
   return text + "standing:  # over the soles, ready to walk\n  height_m: " + ExactText(calibration.standing->height_m) +
-         "\n  up_C: " + List({up.x(), up.y(), up.z()}) + "\n";
+         "\n  up_C: " + ExactList({up.x(), up.y(), up.z()}) + "\n";
 }
 
 Calibration ReadCalibration(const std::filesystem::path& file) {
@@ -294,16 +358,14 @@ std::string EurocCameraText(const Calibration& calibration, bool right) {
   GAITCAM_ASSERT(!right || calibration.right);
   const CameraModel& c = right ? *calibration.right : calibration.camera;
   const Pose X_BS = right ? X_BC(calibration) * calibration.X_LR : X_BC(calibration);
-  std::vector<double> distortion = {c.k1, c.k2, c.p1, c.p2};
-  if (c.k3 != 0) distortion.push_back(c.k3);
   std::string text =
       "sensor_type: camera\ncomment: " + std::string(right ? "right" : "left") +
       " camera; images are stamped at mid-exposure\n\n# Maps points of the camera into the body, which is " +
       (calibration.imu.rate_hz > 0 ? "the IMU.\n" : "the left camera.\n") + MatrixText(X_BS) +
       "\nrate_hz: " + ExactText(calibration.frame_rate_hz) + "\nresolution: [" + std::to_string(c.width_px) + ", " +
-      std::to_string(c.height_px) + "]\ncamera_model: pinhole\nintrinsics: " + List({c.fx, c.fy, c.cx, c.cy}) +
-      "  # fu, fv, cu, cv\ndistortion_model: radial-tangential\ndistortion_coefficients: " + List(distortion) +
-      (c.k3 != 0 ? "  # k1, k2, p1, p2, k3\n" : "  # k1, k2, p1, p2\n");
+      std::to_string(c.height_px) + "]\ncamera_model: pinhole\nintrinsics: " + ExactList({c.fx, c.fy, c.cx, c.cy}) +
+      "  # fu, fv, cu, cv\ndistortion_model: radial-tangential\ndistortion_coefficients: " +
+      ExactList(DistortionOf(c)) + (c.k3 != 0 ? "  # k1, k2, p1, p2, k3\n" : "  # k1, k2, p1, p2\n");
   return text;
 }
 
@@ -323,11 +385,11 @@ std::string EurocTruthText() {
 
 Calibration ReadEurocCalibration(const std::filesystem::path& mav0) {
   Calibration calibration;
-  const EurocCamera left = ReadEurocCamera(mav0 / "cam0" / "sensor.yaml");
+  const PlacedCamera left = ReadEurocCamera(mav0 / "cam0" / "sensor.yaml");
   calibration.camera = left.camera;
   calibration.frame_rate_hz = left.rate_hz;
   if (std::filesystem::exists(mav0 / "cam1" / "sensor.yaml")) {
-    const EurocCamera right = ReadEurocCamera(mav0 / "cam1" / "sensor.yaml");
+    const PlacedCamera right = ReadEurocCamera(mav0 / "cam1" / "sensor.yaml");
     calibration.right = right.camera;
     calibration.X_LR = left.X_BC.Inverse() * right.X_BC;
   }
@@ -339,8 +401,54 @@ Calibration ReadEurocCalibration(const std::filesystem::path& mav0) {
     imu.gyro_random_walk = map.Number("gyroscope_random_walk");
     imu.accel_noise_density = map.Number("accelerometer_noise_density");
     imu.accel_random_walk = map.Number("accelerometer_random_walk");
-    imu.X_CI = left.X_BC.Inverse() * ReadMatrix(map);
+    imu.X_CI = left.X_BC.Inverse() * ReadMatrix(map.Map("T_BS"), "data");
   }
+  return calibration;
+}
+
+std::string VslamlabCalibrationText(const Calibration& calibration, bool grey) {
+  const std::string colour = grey ? "gray" : "rgb";
+  std::string text = "%YAML 1.2\n---\n# T_BS maps points of the sensor into the body, which is " +
+                     std::string(calibration.imu.rate_hz > 0 ? "the IMU" : "the left camera") +
+                     ". Pixels from the centre of the first one.\ncameras:\n" +
+                     VslamlabCamera(calibration, false, calibration.has_depth ? "rgb+depth" : colour);
+  if (calibration.right) text += VslamlabCamera(calibration, true, colour);
+  const ImuCalibration& imu = calibration.imu;
+  if (imu.rate_hz <= 0) return text;
+  return text + "imus:\n  - imu_name: imu_0\n    fps: " + ExactText(imu.rate_hz) +
+         "\n    sigma_g_c: " + ExactText(imu.gyro_noise_density) + "  # gyroscope's noise density, rad/s/sqrt(Hz)" +
+         "\n    sigma_a_c: " + ExactText(imu.accel_noise_density) +
+         "  # accelerometer's noise density, m/s^2/sqrt(Hz)" + "\n    sigma_gw_c: " + ExactText(imu.gyro_random_walk) +
+         "  # gyroscope's random walk, rad/s^2/sqrt(Hz)" + "\n    sigma_aw_c: " + ExactText(imu.accel_random_walk) +
+         "  # accelerometer's random walk, m/s^3/sqrt(Hz)" +
+         "\n    sigma_bg: 0.01  # prior of the gyroscope's bias, rad/s" +
+         "\n    sigma_ba: 0.1  # prior of the accelerometer's bias, m/s^2" +
+         "\n    a_max: 1000  # the readings never saturate" + "\n    g_max: 1000" +
+         "\n    a0: [0, 0, 0]\n    g0: [0, 0, 0]\n    g: 9.81\n    s_a: [1, 1, 1]\n    T_BS: " + Flat(Pose()) + "\n";
+}
+
+Calibration ReadVslamlabCalibration(const std::filesystem::path& file) {
+  const YamlMap map(file);
+  const std::vector<YamlMap> cameras = map.Maps("cameras");
+  Calibration calibration;
+  const PlacedCamera left = ReadVslamlabCamera(cameras[0]);
+  calibration.camera = left.camera;
+  calibration.frame_rate_hz = left.rate_hz;
+  calibration.has_depth = cameras[0].Has("depth_name");
+  if (cameras.size() > 1) {
+    const PlacedCamera right = ReadVslamlabCamera(cameras[1]);
+    calibration.right = right.camera;
+    calibration.X_LR = left.X_BC.Inverse() * right.X_BC;
+  }
+  if (!map.Has("imus")) return calibration;
+  const YamlMap sensor = map.Maps("imus")[0];
+  ImuCalibration& imu = calibration.imu;
+  imu.rate_hz = sensor.Number("fps");
+  imu.gyro_noise_density = sensor.Number("sigma_g_c");
+  imu.accel_noise_density = sensor.Number("sigma_a_c");
+  imu.gyro_random_walk = sensor.Number("sigma_gw_c");
+  imu.accel_random_walk = sensor.Number("sigma_aw_c");
+  imu.X_CI = left.X_BC.Inverse() * ReadMatrix(sensor, "T_BS");
   return calibration;
 }
 

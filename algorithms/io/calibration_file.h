@@ -1,4 +1,5 @@
-/// Calibrations on disk: our own calibration.yaml, and the sensor.yaml files of the EuRoC layout.
+/// Calibrations on disk: our own calibration.yaml, the sensor.yaml files of the EuRoC layout, and the calibration.yaml
+/// of VSLAM-LAB's.
 
 #pragma once
 
@@ -26,5 +27,11 @@ std::string EurocTruthText();
 /// Puts cam0, cam1 and imu0 of a `mav0` folder together; cam1 and imu0 may be absent.
 /// @throws BadInput as above; also for a camera model other than pinhole with radial-tangential distortion.
 Calibration ReadEurocCalibration(const std::filesystem::path& mav0);
+
+/// VSLAM-LAB's calibration.yaml, cameras rgb_0 and rgb_1, sensor imu_0, the same body as of EurocCameraText.
+/// @param grey images have one channel; no calibration says so.
+std::string VslamlabCalibrationText(const Calibration& calibration, bool grey);
+/// The first two cameras and the first IMU. @throws BadInput as above.
+Calibration ReadVslamlabCalibration(const std::filesystem::path& file);
 
 }  // namespace gaitcam

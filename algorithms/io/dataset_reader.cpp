@@ -5,6 +5,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/calibration_file.h"
 #include "algorithms/io/image_file.h"
+#include "algorithms/io/image_table.h"
 #include "algorithms/io/text_table.h"
 
 namespace gaitcam {
@@ -12,49 +13,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One row of a table of images.
-struct ListedImage {
-  int64_t stamp_ns = 0;
-  fs::path file;
-  std::string listed_at;
-};
-
-/// A table of images, row by row, in time order.
-class ImageTable {
- public:
-  /// TUM: rows "t file" in NAME.txt. EuRoC: rows "t,file" in NAME/data.csv, files in NAME/data.
-  ImageTable(const fs::path& root, const std::string& name, DatasetFormat format)
-      : tum_(format == DatasetFormat::kTum),
-        folder_(tum_ ? root : root / name / "data"),
-        table_(tum_ ? root / (name + ".txt") : root / name / "data.csv", tum_ ? ' ' : ',') {}
-
-  std::optional<ListedImage> Next() {
-    if (!table_.Next()) return std::nullopt;
-    ListedImage image;
-    image.stamp_ns = tum_ ? table_.SecondsAsNs(0, "the time in seconds") : table_.Integer(0, "the time in nanoseconds");
-    image.file = folder_ / std::string(table_.Text(1, "the name of an image file"));
-    image.listed_at = table_.file().string() + ":" + std::to_string(table_.line());
-    if (last_stamp_ns_ && image.stamp_ns <= *last_stamp_ns_) {
-      table_.Fail("time " + SecondsText(image.stamp_ns) + " s does not come after the row before it (" +
-                  SecondsText(*last_stamp_ns_) + " s)");
-    }
-    last_stamp_ns_ = image.stamp_ns;
-    return image;
-  }
-
- private:
-  bool tum_;
-  fs::path folder_;
-  TextTable table_;
-  std::optional<int64_t> last_stamp_ns_;
-};
-
 /// The images of another camera, to be found by stamps that increase.
 class NearestImage {
  public:
-  NearestImage(const fs::path& root, const std::string& name, DatasetFormat format) : table_(root, name, format) {
-    next_ = table_.Next();
-  }
+  explicit NearestImage(const ImageListing& listing) : table_(listing) { next_ = table_.Next(); }
 
   /// The row whose stamp is nearest, if near enough.
   std::optional<ListedImage> At(int64_t stamp_ns, int64_t tolerance_ns) {
@@ -95,7 +57,11 @@ template <class Sample>
 class SampleTable {
  public:
   using Parser = Sample (*)(const TextTable&);
-  SampleTable(const fs::path& file, Parser parse) : table_(file, ','), parse_(parse) { Advance(); }
+  /// @param names_columns the table's first row names its columns.
+  SampleTable(const fs::path& file, Parser parse, bool names_columns = false) : table_(file, ','), parse_(parse) {
+    if (names_columns) table_.Next();
+    Advance();
+  }
 
   std::vector<Sample> TakeUntil(int64_t stamp_ns) {
     std::vector<Sample> taken;
@@ -128,8 +94,8 @@ class SampleTable {
   std::optional<Sample> next_;
 };
 
-int64_t CountRows(const fs::path& root, const std::string& name, DatasetFormat format) {
-  ImageTable table(root, name, format);
+int64_t CountRows(const ImageListing& listing) {
+  ImageTable table(listing);
   int64_t rows = 0;
   while (table.Next()) ++rows;
   return rows;
@@ -147,14 +113,14 @@ class DatasetReader::Source {
   int64_t frames_ = 0;
 
  private:
-  bool tum() const { return format_ == DatasetFormat::kTum; }
+  ImageListing Listing(ImageStream stream) const { return ListingOf(folder_, format_, stream); }
   Calibration FindCalibration(const fs::path& given) const;
   void OpenOthers();
   cv::Mat ReadPixels(const ListedImage& listed, const CameraModel& camera) const;
   Image ReadDepth(const ListedImage& listed) const;
   void AddSamples(Observation& observation);
 
-  fs::path folder_, root_;
+  fs::path folder_;
   int64_t tolerance_ns_;
   ImageTable left_;
   std::optional<NearestImage> right_, depth_;
@@ -166,29 +132,33 @@ class DatasetReader::Source {
 DatasetReader::Source::Source(const fs::path& folder, const DatasetReaderOptions& options)
     : format_(FormatOfDataset(folder)),
       folder_(folder),
-      root_(tum() ? folder : folder / "mav0"),
       tolerance_ns_(int64_t(std::llround(options.max_stamp_difference_s * 1e9))),
-      left_(root_, tum() ? "rgb" : "cam0", format_) {
+      left_(Listing(ImageStream::kLeft)) {
   calibration_ = FindCalibration(options.calibration);
-  frames_ = CountRows(root_, tum() ? "rgb" : "cam0", format_);
+  frames_ = CountRows(Listing(ImageStream::kLeft));
   if (frames_ == 0) throw BadInput(folder.string() + ": lists no image");
   OpenOthers();
 }
 
 Calibration DatasetReader::Source::FindCalibration(const fs::path& given) const {
+  const fs::path ours = CalibrationFileOf(folder_, format_);
   if (!given.empty()) return ReadCalibration(given);
-  if (fs::exists(folder_ / "calibration.yaml")) return ReadCalibration(folder_ / "calibration.yaml");
-  if (!tum()) return ReadEurocCalibration(root_);
-  throw BadInput((folder_ / "calibration.yaml").string() +
-                 ": there is no such file; a TUM folder does not say its intrinsics otherwise");
+  if (fs::exists(ours)) return ReadCalibration(ours);
+  switch (format_) {
+    case DatasetFormat::kTum: break;
+    case DatasetFormat::kEuroc: return ReadEurocCalibration(folder_ / "mav0");
+    case DatasetFormat::kVslamlab: return ReadVslamlabCalibration(folder_ / "calibration.yaml");
+  }
+  throw BadInput(ours.string() + ": there is no such file; a TUM folder does not say its intrinsics otherwise");
 }
 
 void DatasetReader::Source::OpenOthers() {
-  if (calibration_.right) right_.emplace(root_, tum() ? "rgb_right" : "cam1", format_);
-  if (calibration_.has_depth) depth_.emplace(root_, tum() ? "depth" : "depth0", format_);
+  if (calibration_.right) right_.emplace(Listing(ImageStream::kRight));
+  if (calibration_.has_depth) depth_.emplace(Listing(ImageStream::kDepth));
   if (fs::exists(folder_ / "exposure.csv")) exposures_.emplace(folder_ / "exposure.csv", ',');
-  const fs::path imu = tum() ? folder_ / "imu.csv" : root_ / "imu0" / "data.csv";
-  if (calibration_.imu.rate_hz > 0 && fs::exists(imu)) imu_.emplace(imu, &ParseImu);
+  const fs::path imu = ImuFileOf(folder_, format_);
+  if (calibration_.imu.rate_hz > 0 && fs::exists(imu))
+    imu_.emplace(imu, &ParseImu, format_ == DatasetFormat::kVslamlab);
   if (fs::exists(folder_ / "joints.csv")) joints_.emplace(folder_ / "joints.csv", &ParseJoints);
 }
 

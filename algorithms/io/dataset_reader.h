@@ -1,5 +1,5 @@
 /// Reads a dataset folder, frame by frame, as the observations that a SLAM system gets. Ours come back to the bit; TUM
-/// RGB-D and EuRoC ASL folders by others are read too.
+/// RGB-D, EuRoC ASL and VSLAM-LAB folders by others are read too.
 
 #pragma once
 
@@ -14,8 +14,8 @@
 namespace gaitcam {
 
 struct DatasetReaderOptions {
-  /// Replaces the folder's own calibration.yaml. A TUM folder of somebody else's needs one; EuRoC says it in
-  /// sensor.yaml.
+  /// Replaces the folder's own calibration. A TUM folder of somebody else's needs one; EuRoC says it in sensor.yaml,
+  /// VSLAM-LAB in calibration.yaml.
   std::filesystem::path calibration;
   /// How far apart the stamps of one frame's images may be, where a folder's streams are not synchronous.
   double max_stamp_difference_s = 0.02;

@@ -10,6 +10,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/calibration_file.h"
 #include "algorithms/io/image_file.h"
+#include "algorithms/io/program_settings.h"
 #include "algorithms/io/text_table.h"
 #include "algorithms/io/trajectory_file.h"
 #include "algorithms/io/writer_pool.h"
@@ -79,10 +80,12 @@ class PendingFolder {
 /// A table that grows by rows.
 class RowFile {
  public:
-  RowFile(fs::path file, const std::string& header) : file_(std::move(file)) {
+  /// @param header without its last line end; nothing: the table begins with its first row.
+  explicit RowFile(fs::path file, const std::optional<std::string>& header = {}) : file_(std::move(file)) {
     MakeFolder(file_.parent_path());
     stream_.open(file_, std::ios::binary);
-    Row(header);
+    if (!stream_) throw MissingResource(file_.string() + ": cannot write this file");
+    if (header) Row(*header);
   }
   void Row(const std::string& row) {
     stream_ << row << '\n';
@@ -98,39 +101,46 @@ class RowFile {
   std::ofstream stream_;
 };
 
-/// A folder of images and the table that lists them.
+/// The three lines of comment that begin TUM's tables; its readers skip so many.
+std::string TumHeader(const std::string& what, const std::string& columns) {
+  return "# " + what + "\n# times in s, by the clock of all sensors; an image's is the middle of its exposure\n# " +
+         columns;
+}
+
+const char* const kPoseColumns = "timestamp tx ty tz qx qy qz qw";
+const char* const kPoseNote = "poses X_WC of the left camera";
+const char* const kVslamlabPoseHeader = "ts (ns),tx (m),ty (m),tz (m),qx,qy,qz,qw";
+
+/// A folder of images and, unless the layout lists all streams in one, the table of them.
 class ImageFiles {
  public:
-  /// TUM: NAME/ and NAME.txt in `root`. EuRoC: NAME/data/ and NAME/data.csv.
-  ImageFiles(const fs::path& root, const std::string& name, DatasetFormat format)
-      : format_(format),
-        name_(name),
-        folder_(format == DatasetFormat::kTum ? root / name : root / name / "data"),
-        table_(format == DatasetFormat::kTum ? root / (name + ".txt") : root / name / "data.csv",
-               format == DatasetFormat::kTum ? "# timestamp filename" : "#timestamp [ns],filename") {
-    MakeFolder(folder_);
+  ImageFiles(const ImageListing& listing, const std::string& what) : listing_(listing) {
+    MakeFolder(listing.folder);
+    if (listing.names_columns()) return;
+    table_.emplace(listing.table, listing.in_seconds ? TumHeader(what, "timestamp filename")
+                                                     : std::string("#timestamp [ns],filename"));
   }
 
   /// Lists an image and @returns where to write it.
   fs::path Add(int64_t stamp_ns) {
-    if (format_ == DatasetFormat::kTum) {
-      table_.Row(TumEntry(stamp_ns));
-      return folder_ / (SecondsText(stamp_ns) + ".png");
-    }
-    const std::string file = std::to_string(stamp_ns) + ".png";
-    table_.Row(std::to_string(stamp_ns) + "," + file);
-    return folder_ / file;
+    if (table_) table_->Row(Entry(stamp_ns));
+    return listing_.folder / listing_.FileName(stamp_ns);
   }
-  std::string TumEntry(int64_t stamp_ns) const {
-    return SecondsText(stamp_ns) + " " + name_ + "/" + SecondsText(stamp_ns) + ".png";
+  /// Its stamp and file, as tables say them.
+  std::string Entry(int64_t stamp_ns) const {
+    const std::string stamp = listing_.in_seconds ? SecondsText(stamp_ns) : std::to_string(stamp_ns);
+    const fs::path file = (listing_.folder / listing_.FileName(stamp_ns)).lexically_relative(listing_.base);
+    return stamp + listing_.separator + file.string();
   }
-  void Close() { table_.Close(); }
+  /// The names of the two columns, where all streams are in one table.
+  std::string Columns() const { return listing_.stamp_column + listing_.separator + listing_.file_column; }
+  void Close() {
+    if (table_) table_->Close();
+  }
 
  private:
-  DatasetFormat format_;
-  std::string name_;
-  fs::path folder_;
-  RowFile table_;
+  ImageListing listing_;
+  std::optional<RowFile> table_;
 };
 
 bool TooFarForPng(const cv::Mat& depth) {
@@ -171,14 +181,12 @@ class ImageJobs {
 };
 
 const char* const kSensorsText =
-    "What a walking robot's sensors recorded (layout: {}). The truth lies beside this folder{}.\n"
-    "Stamps are nanoseconds on one clock. An image's stamp is the middle of its exposure; times.txt and exposure.csv "
-    "give\n"
-    "the exposure in ms. Camera frame: x right, y down, z forward; pixel (0, 0) is the centre of the first pixel, row "
-    "0\n"
-    "the top. calibration.yaml holds intrinsics, extrinsics and IMU noise. IMU readings are in the IMU's own frame.\n"
-    "Depth PNGs: metres times 5000, 0 where nothing was measured.\n"
-    "Frames: {}. Recording: {}.\n";
+    "What a walking robot's sensors recorded ({}). The truth lies beside this folder{}.\n"
+    "Stamps are nanoseconds on one clock, which counts from an epoch. An image's stamp is the middle of its exposure;\n"
+    "{} and exposure.csv give the exposure in ms. Camera frame: x right, y down, z forward; pixel (0, 0) is the\n"
+    "centre of the first pixel, row 0 the top. {} holds intrinsics, extrinsics and IMU noise. IMU readings\n"
+    "are in the IMU's own frame. Depth PNGs: metres times 5000, 0 where nothing was measured.\n"
+    "Frames: {}. Recording: {}.\n\n";
 
 const char* const kTruthText =
     "What is true of the recording beside this folder; keep it from what is being evaluated.\n"
@@ -190,6 +198,7 @@ const char* const kTruthText =
     "pixel moved while the shutter was open: (red - 32768) / 64 px to the right, (green - 32768) / 64 px down, known "
     "where\n"
     "blue is 1. mav0/ (if there): pose of the body, which is the IMU, or the left camera if there is no IMU.\n"
+    "groundtruth.csv (if there): the poses of groundtruth.txt as VSLAM-LAB has them.\n"
     "Frames: {}. Recording: {}.\n";
 
 /// The part that no SLAM system is given.
@@ -205,12 +214,9 @@ class TruthFiles {
                     ",blur_median_px,blur_p90_px,blur_max_px,step,step_phase,left_contact,right_contact" +
                     PoseColumns("X_WB")),
         subposes_(folder_.path() / "subposes.csv", "#frame_stamp_ns,stamp_ns,weight" + PoseColumns("X_WC")) {
-    const std::string header = "# timestamp tx ty tz qx qy qz qw";
-    poses_.emplace_back(folder_.path() / "groundtruth.txt", header);
-    const bool euroc = options.format == DatasetFormat::kEuroc;
-    if (options.truth_inside && !euroc) poses_.emplace_back(sensors / "groundtruth.txt", header);
-    if (euroc) AddStates(folder_.path());
-    if (euroc && options.truth_inside) AddStates(sensors);
+    AddPoses(folder_.path());
+    if (options.format != DatasetFormat::kTum) AddLayoutsOwn(folder_.path());
+    if (options.truth_inside) AddLayoutsOwn(sensors);
   }
 
   void Add(int64_t stamp_ns, const FilmedTruth& truth, ImageJobs& jobs) {
@@ -218,6 +224,7 @@ class TruthFiles {
     const Pose X_WI = truth.X_WI ? *truth.X_WI : truth.X_WC * calibration_.imu.X_CI;
     const Pose body = calibration_.imu.rate_hz > 0 ? X_WI : truth.X_WC;
     for (RowFile& file : states_) file.Row(TrajectoryRow({stamp_ns, body}, TrajectoryFormat::kEuroc));
+    for (RowFile& file : rows_) file.Row(std::to_string(stamp_ns) + Csv(truth.X_WC));
     const GaitState gait = truth.gait.value_or(GaitState());
     frames_.Row(std::to_string(stamp_ns) + Csv(truth.X_WC_open) + Csv(truth.X_WC_close) +
                 fmt::format(",{},{},{},{},{},{},{}", truth.blur_median_px, truth.blur_p90_px, truth.blur_max_px,
@@ -230,8 +237,9 @@ class TruthFiles {
   }
 
   void Finish(int64_t frames, const std::string& ending) {
-    for (RowFile& file : poses_) file.Close();
-    for (RowFile& file : states_) file.Close();
+    for (auto* files : {&poses_, &states_, &rows_}) {
+      for (RowFile& file : *files) file.Close();
+    }
     frames_.Close();
     subposes_.Close();
     for (auto* files : {&sharp_, &depth_, &blur_}) {
@@ -242,6 +250,19 @@ class TruthFiles {
   }
 
  private:
+  /// The table in which the layout keeps its truth.
+  void AddLayoutsOwn(const fs::path& root) {
+    switch (options_.format) {
+      case DatasetFormat::kTum: return AddPoses(root);
+      case DatasetFormat::kEuroc: return AddStates(root);
+      case DatasetFormat::kVslamlab: rows_.emplace_back(root / "groundtruth.csv", kVslamlabPoseHeader);
+    }
+  }
+
+  void AddPoses(const fs::path& root) {
+    poses_.emplace_back(root / "groundtruth.txt", TumHeader(kPoseNote, kPoseColumns));
+  }
+
   void AddStates(const fs::path& root) {
     const fs::path folder = root / "mav0" / "state_groundtruth_estimate0";
     states_.emplace_back(
@@ -251,21 +272,22 @@ class TruthFiles {
   }
 
   void AddImages(int64_t stamp_ns, const FilmedTruth& truth, ImageJobs& jobs) {
-    const auto files = [&](std::optional<ImageFiles>& of, const char* name) -> ImageFiles& {
-      if (!of) of.emplace(folder_.path(), name, DatasetFormat::kTum);
+    const auto files = [&](std::optional<ImageFiles>& of, const char* name, const char* what) -> ImageFiles& {
+      if (!of) of.emplace(TumListing(folder_.path(), name), what);
       return *of;
     };
-    if (!truth.sharp.empty()) jobs.Png(files(sharp_, "sharp").Add(stamp_ns), truth.sharp);
-    if (!truth.blur.empty()) jobs.Vectors(files(blur_, "blur").Add(stamp_ns), truth.blur);
+    if (!truth.sharp.empty()) jobs.Png(files(sharp_, "sharp", "sharp twins").Add(stamp_ns), truth.sharp);
+    if (!truth.blur.empty()) jobs.Vectors(files(blur_, "blur", "blur vectors").Add(stamp_ns), truth.blur);
     if (!truth.depth.empty()) {
-      jobs.Depth(folder_.path(), files(depth_, "depth").Add(stamp_ns), stamp_ns, truth.depth, false);
+      const fs::path file = files(depth_, "depth", "true depth images").Add(stamp_ns);
+      jobs.Depth(folder_.path(), file, stamp_ns, truth.depth, false);
     }
   }
 
   Calibration calibration_;
   DatasetWriterOptions options_;
   PendingFolder folder_;
-  std::vector<RowFile> poses_, states_;
+  std::vector<RowFile> poses_, states_, rows_;  ///< TUM's, EuRoC's, VSLAM-LAB's.
   RowFile frames_, subposes_;
   std::optional<ImageFiles> sharp_, depth_, blur_;
 };
@@ -280,13 +302,19 @@ class DatasetWriter::Files {
   int64_t frames() const { return frames_; }
 
  private:
+  void CheckOptions() const;
   void Check(const Observation& observation) const;
+  void WriteCalibrations() const;
+  void OpenImu();
   void AddImages(const Observation& observation);
   void AddTrueDepth(const FilmedTruth& truth, int64_t stamp_ns);
   void AddSamples(const Observation& observation);
+  std::string About(const std::string& ending) const;
 
   bool tum() const { return options_.format == DatasetFormat::kTum; }
-  fs::path root() const { return tum() ? folder_.path() : folder_.path() / "mav0"; }
+  bool euroc() const { return options_.format == DatasetFormat::kEuroc; }
+  bool vslamlab() const { return options_.format == DatasetFormat::kVslamlab; }
+  ImageListing Listing(ImageStream stream) const { return ListingOf(folder_.path(), options_.format, stream); }
 
   DatasetFolders folders_;
   Calibration calibration_;
@@ -295,8 +323,9 @@ class DatasetWriter::Files {
   ImageFiles left_;
   std::optional<ImageFiles> right_, depth_;
   RowFile times_, exposures_;
-  std::optional<RowFile> associations_, imu_, accelerometer_, joints_;
+  std::optional<RowFile> streams_, associations_, stamps_, imu_, accelerometer_, joints_;
   std::optional<TruthFiles> truth_;
+  bool grey_ = false;
   int64_t frames_ = 0, last_stamp_ns_ = 0;
   ImageJobs jobs_;  // last: its threads end before the folders go
 };
@@ -307,34 +336,60 @@ DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& ca
       calibration_(calibration),
       options_(options),
       folder_(folders.sensors),
-      left_(root(), tum() ? "rgb" : "cam0", options.format),
-      times_(folder_.path() / "times.txt", "# id time_s exposure_ms"),
+      left_(Listing(ImageStream::kLeft), "images"),
+      times_(TimesFileOf(folder_.path(), options.format)),
       exposures_(folder_.path() / "exposure.csv", "#stamp_ns,exposure_ms,imu_samples,joint_samples"),
       jobs_(options) {
-  if (options.png_compression < 1 || options.png_compression > 9) {
-    throw BadOption("png_compression: " + std::to_string(options.png_compression) +
+  CheckOptions();
+  WriteCalibrations();
+  if (calibration.right) right_.emplace(Listing(ImageStream::kRight), "images of the right camera");
+  if (calibration.has_depth) depth_.emplace(Listing(ImageStream::kDepth), "depth images");
+  if (tum() && depth_) associations_.emplace(folder_.path() / "associations.txt");
+  if (euroc()) stamps_.emplace(StampListOf(folder_.path()));
+  if (vslamlab()) {
+    std::string columns = left_.Columns();
+    if (right_) columns += "," + right_->Columns();
+    if (depth_) columns += "," + depth_->Columns();
+    streams_.emplace(Listing(ImageStream::kLeft).table, columns);
+  }
+  if (calibration.imu.rate_hz > 0) OpenImu();
+}
+
+void DatasetWriter::Files::CheckOptions() const {
+  if (options_.png_compression < 1 || options_.png_compression > 9) {
+    throw BadOption("png_compression: " + std::to_string(options_.png_compression) +
                     " is not permitted; expected 1 to 9");
   }
-  if (options.threads < 0 || options.threads > 64) {
-    throw BadOption("threads: " + std::to_string(options.threads) + " is not permitted; expected 0 to 64");
+  if (options_.threads < 0 || options_.threads > 64) {
+    throw BadOption("threads: " + std::to_string(options_.threads) + " is not permitted; expected 0 to 64");
   }
-  if (fs::exists(folders.truth)) {
-    throw BadInput(folders.truth.string() + ": exists already; remove it or choose another name");
+  if (fs::exists(folders_.truth)) {
+    throw BadInput(folders_.truth.string() + ": exists already; remove it or choose another name");
   }
-  WriteText(folder_.path() / "calibration.yaml", CalibrationText(calibration));
-  if (calibration.right) right_.emplace(root(), tum() ? "rgb_right" : "cam1", options.format);
-  if (calibration.has_depth) depth_.emplace(root(), tum() ? "depth" : "depth0", options.format);
-  if (tum() && depth_) associations_.emplace(folder_.path() / "associations.txt", "# time image time depth");
-  if (!tum()) {
-    WriteText(root() / "cam0" / "sensor.yaml", EurocCameraText(calibration, false));
-    if (calibration.right) WriteText(root() / "cam1" / "sensor.yaml", EurocCameraText(calibration, true));
-    if (calibration.imu.rate_hz > 0) WriteText(root() / "imu0" / "sensor.yaml", EurocImuText(calibration));
+}
+
+/// Ours, the layout's, other programs'. VSLAM-LAB's waits for the first image, which tells its colours.
+void DatasetWriter::Files::WriteCalibrations() const {
+  WriteText(CalibrationFileOf(folder_.path(), options_.format), CalibrationText(calibration_));
+  for (const ProgramSettings& settings : SettingsOf(calibration_, options_.format)) {
+    WriteText(folder_.path() / settings.file, settings.text);
   }
-  if (calibration.imu.rate_hz > 0) {
-    imu_.emplace(tum() ? folder_.path() / "imu.csv" : root() / "imu0" / "data.csv",
-                 "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
-                 "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]");
-    if (tum()) accelerometer_.emplace(folder_.path() / "accelerometer.txt", "# timestamp ax ay az");
+  if (!euroc()) return;
+  const fs::path mav0 = folder_.path() / "mav0";
+  WriteText(mav0 / "cam0" / "sensor.yaml", EurocCameraText(calibration_, false));
+  if (calibration_.right) WriteText(mav0 / "cam1" / "sensor.yaml", EurocCameraText(calibration_, true));
+  if (calibration_.imu.rate_hz > 0) WriteText(mav0 / "imu0" / "sensor.yaml", EurocImuText(calibration_));
+}
+
+void DatasetWriter::Files::OpenImu() {
+  const char* const header =
+      vslamlab() ? "ts (ns),wx (rad s^-1),wy (rad s^-1),wz (rad s^-1),ax (m s^-2),ay (m s^-2),az (m s^-2)"
+                 : "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
+                   "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]";
+  imu_.emplace(ImuFileOf(folder_.path(), options_.format), header);
+  if (tum()) {
+    accelerometer_.emplace(folder_.path() / "accelerometer.txt",
+                           TumHeader("specific forces in the IMU's frame, m/s^2", "timestamp ax ay az"));
   }
 }
 
@@ -360,19 +415,25 @@ void DatasetWriter::Files::AddImages(const Observation& o) {
   if (o.right) jobs_.Png(right_->Add(o.right->stamp_ns), o.right->pixels);
   if (o.depth) {
     jobs_.Depth(folder_.path(), depth_->Add(o.depth->stamp_ns), o.depth->stamp_ns, o.depth->pixels, true);
-    if (associations_) associations_->Row(left_.TumEntry(o.stamp_ns) + " " + depth_->TumEntry(o.depth->stamp_ns));
+    if (associations_) associations_->Row(left_.Entry(o.stamp_ns) + " " + depth_->Entry(o.depth->stamp_ns));
   }
+  if (stamps_) stamps_->Row(std::to_string(o.stamp_ns));
+  if (!streams_) return;
+  std::string row = left_.Entry(o.stamp_ns);
+  if (o.right) row += "," + right_->Entry(o.right->stamp_ns);
+  if (o.depth) row += "," + depth_->Entry(o.depth->stamp_ns);
+  streams_->Row(row);
 }
 
 /// True depth in place of a sensor's, for tools that want an RGB-D folder whole.
 void DatasetWriter::Files::AddTrueDepth(const FilmedTruth& truth, int64_t stamp_ns) {
   if (!options_.truth_inside || !tum() || calibration_.has_depth || truth.depth.empty()) return;
   if (!depth_) {
-    depth_.emplace(root(), "depth", options_.format);
-    associations_.emplace(folder_.path() / "associations.txt", "# time image time depth");
+    depth_.emplace(Listing(ImageStream::kDepth), "true depth images");
+    associations_.emplace(folder_.path() / "associations.txt");
   }
   jobs_.PlainDepth(depth_->Add(stamp_ns), truth.depth);
-  associations_->Row(left_.TumEntry(stamp_ns) + " " + depth_->TumEntry(stamp_ns));
+  associations_->Row(left_.Entry(stamp_ns) + " " + depth_->Entry(stamp_ns));
 }
 
 void DatasetWriter::Files::AddSamples(const Observation& o) {
@@ -400,6 +461,7 @@ void DatasetWriter::Files::AddSamples(const Observation& o) {
 
 void DatasetWriter::Files::Add(const Observation& o, const std::optional<FilmedTruth>& truth) {
   Check(o);
+  if (frames_ == 0) grey_ = o.image.pixels.channels() == 1;
   AddImages(o);
   AddSamples(o);
   times_.Row(fmt::format("{:05d} {} {}", frames_, SecondsText(o.stamp_ns), ExactText(o.exposure_ms)));
@@ -418,17 +480,27 @@ void DatasetWriter::Files::Finish(const std::string& ending) {
   for (auto* files : {&right_, &depth_}) {
     if (*files) (*files)->Close();
   }
-  for (auto* file : {&associations_, &imu_, &accelerometer_, &joints_}) {
+  for (auto* file : {&streams_, &associations_, &stamps_, &imu_, &accelerometer_, &joints_}) {
     if (*file) (*file)->Close();
   }
   left_.Close();
   times_.Close();
   exposures_.Close();
-  WriteText(folder_.path() / "about.txt",
-            fmt::format(fmt::runtime(kSensorsText), ToString(options_.format),
-                        options_.truth_inside ? ", and in part in it, as was asked for" : "", frames_, ending));
+  if (vslamlab()) {
+    WriteText(folder_.path() / "calibration.yaml", VslamlabCalibrationText(calibration_, grey_));
+  }
+  WriteText(folder_.path() / "about.txt", About(ending));
   if (truth_) truth_->Finish(frames_, ending);
   folder_.Name();
+}
+
+std::string DatasetWriter::Files::About(const std::string& ending) const {
+  const auto name = [&](const fs::path& file) { return file.lexically_relative(folder_.path()).string(); };
+  return fmt::format(fmt::runtime(kSensorsText), NameOfLayout(options_.format),
+                     options_.truth_inside ? ", and in part in it, as was asked for" : "",
+                     name(TimesFileOf(folder_.path(), options_.format)),
+                     name(CalibrationFileOf(folder_.path(), options_.format)), frames_, ending) +
+         SettingsGuide(calibration_, options_.format);
 }
 
 DatasetWriter::DatasetWriter(const DatasetFolders& folders, const Calibration& calibration,

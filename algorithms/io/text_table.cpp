@@ -1,5 +1,6 @@
 #include "algorithms/io/text_table.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <system_error>
@@ -59,6 +60,12 @@ bool TextTable::Next() {
   return false;
 }
 
+size_t TextTable::ColumnNamed(std::string_view name) const {
+  const auto at = std::find(fields_.begin(), fields_.end(), name);
+  if (at == fields_.end()) Fail("the first row names no column " + Quoted(name));
+  return size_t(at - fields_.begin());
+}
+
 std::string_view TextTable::Text(size_t column, std::string_view what) const {
   if (column >= fields_.size()) {
     Fail("the row ends after " + std::to_string(fields_.size()) + " fields; field " + std::to_string(column + 1) +
@@ -104,6 +111,12 @@ void TextTable::Fail(const std::string& message) const {
 std::string ExactText(double value) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
+}
+
+std::string ExactList(const std::vector<double>& values) {
+  std::string text = "[";
+  for (size_t i = 0; i < values.size(); ++i) text += (i ? ", " : "") + ExactText(values[i]);
+  return text + "]";
 }
 
 std::string SecondsText(int64_t stamp_ns) {

@@ -22,6 +22,8 @@ class TextTable {
   /// Moves to the next row. @returns false at the end of the file.
   bool Next();
   size_t size() const { return fields_.size(); }
+  /// The column of this name, where the present row names the columns. @throws BadInput if there is none.
+  size_t ColumnNamed(std::string_view name) const;
   const std::filesystem::path& file() const { return file_; }
   int line() const { return line_; }
 
@@ -45,6 +47,9 @@ class TextTable {
 
 /// The shortest text that reads back as the same double.
 std::string ExactText(double value);
+
+/// "[1, 2.5, -3]", of such texts.
+std::string ExactList(const std::vector<double>& values);
 
 /// Seconds with nine decimals: exact for every stamp.
 std::string SecondsText(int64_t stamp_ns);

@@ -60,10 +60,12 @@ std::optional<FloorKeyframe> FloorTracker::Finish() const {
 FloorTracker::Turn FloorTracker::Integrate(const Observation& observation) {
   if (!gyro_) return {};
   gyro_->Add(observation.imu);
-  const double now = double(observation.stamp_ns), half_exposure = 0.5e6 * observation.exposure_ms;
+  const int64_t now_ns = observation.stamp_ns, half_exposure_ns = std::llround(0.5e6 * observation.exposure_ms);
   Turn turn;
-  if (last_ns_ > 0) turn.since_last = gyro_->Between(double(last_ns_), now);
-  if (half_exposure > 0) turn.during_exposure = gyro_->Between(now - half_exposure, now + half_exposure);
+  if (last_ns_ > 0) turn.since_last = gyro_->Between(last_ns_, now_ns);
+  if (half_exposure_ns > 0) {
+    turn.during_exposure = gyro_->Between(now_ns - half_exposure_ns, now_ns + half_exposure_ns);
+  }
   constexpr int64_t kKeep_ns = 300'000'000;
   gyro_->DropBefore(observation.stamp_ns - kKeep_ns);
   return turn;

@@ -118,7 +118,8 @@ std::string Bars(const PlaceTest& test) {
          "</svg>";
 }
 
-std::string LoopFigure(const ClosedLoop& loop, const PlaceTest& test, const PlaceGraph& graph) {
+/// @param start_ns of the walk.
+std::string LoopFigure(const ClosedLoop& loop, const PlaceTest& test, const PlaceGraph& graph, int64_t start_ns) {
   constexpr int kViewPixels = 240, kPanoramaPixels = 900;
   const cv::Mat& panorama = graph.nodes[size_t(loop.to)].panorama;
   const bool around = !panorama.empty() && test.view.cols == panorama.cols;
@@ -140,7 +141,7 @@ std::string LoopFigure(const ClosedLoop& loop, const PlaceTest& test, const Plac
       "the posterior of &ldquo;no loop&rdquo; (grey) and of each place; the one that was matched has "
       "{:.2f}.</figcaption></figure>\n",
       around ? " around" : "", seen, Bars(test), loop.right ? "Right:" : "False:", loop.to,
-      double(loop.stamp_ns) * 1e-9, loop.distance_m,
+      double(loop.stamp_ns - start_ns) * 1e-9, loop.distance_m,
       around ? "Above: what was seen all around, turned as it fits; then the place&rsquo;s panorama"
              : "Left: the view; right: the place&rsquo;s panorama with the view&rsquo;s window",
       chosen < test.posterior.size() ? test.posterior[chosen] : 0.0);
@@ -178,7 +179,7 @@ std::string PlaceSection(const PlaceGraphComparison& comparison, const PlaceGrap
   for (const ClosedLoop& loop : comparison.loops) {
     const PlaceTest* test = DecidingTest(graph, loop);
     if (!test || count++ >= kMaxLoops) continue;
-    figures += LoopFigure(loop, *test, graph);
+    figures += LoopFigure(loop, *test, graph, comparison.start_ns);
   }
   if (figures.empty()) return html;
   const std::string first = count > kMaxLoops ? fmt::format(" (the first {} of {})", kMaxLoops, count) : "";

@@ -138,6 +138,7 @@ PlaceGraphComparison ComparePlaceGraph(const PlaceGraph& graph, const Trajectory
   if (truth.empty()) throw TooLittleData("no true poses to compare a topological map with");
   const SampledPath path = SamplePath(truth, options.step_m);
   PlaceGraphComparison comparison;
+  comparison.start_ns = truth.front().stamp_ns;
   comparison.path_m = path.points;
   for (const PlaceNode& node : graph.nodes) comparison.nodes_m.push_back(PositionAt(truth, node.stamp_ns));
   for (const PlaceLink& link : graph.links) {

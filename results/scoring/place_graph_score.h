@@ -46,6 +46,7 @@ struct Revisit {
 };
 
 struct PlaceGraphComparison {
+  int64_t start_ns = 0;                  ///< The first true pose.
   std::vector<Eigen::Vector2d> path_m;   ///< The true path, step by step.
   std::vector<Eigen::Vector2d> nodes_m;  ///< True places.
   std::vector<ClosedLoop> loops;

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/dataset_layout.h"
 #include "scenarios/code/commands/commands.h"
 #include "scenarios/code/commands/completion.h"
 #include "scenarios/code/commands/manual_page.h"
@@ -73,8 +74,8 @@ void AddRecord(CLI::App& app, Arguments& a) {
   CLI::App* verb = app.add_subcommand("record", "walk and film into a dataset folder, with ground truth beside it");
   AddScenario(*verb, a.record.scenario);
   verb->get_option("scenario")->description("scenario file, or a matrix of many (a file with the key `base`)");
-  verb->add_option("--format", a.record.format, "layout: tum (RGB-D, the default) or euroc (ASL)")
-      ->check(CLI::IsMember({"tum", "euroc"}));
+  verb->add_option("--format", a.record.format, "layout: tum (RGB-D, the default), euroc (ASL) or vslamlab")
+      ->check(CLI::IsMember(EnumWords<DatasetFormat>::List()));
   verb->add_option("--out", a.record.out, "folder to write (default: datasets/NAME-seedN; of a matrix datasets/NAME)");
   verb->add_flag("--truth-inside", a.record.truth_inside, "also put the ground truth inside the dataset folder");
   verb->add_flag("--pairs", a.record.pairs, "pairs of frames: blurred, sharp, blur vectors, floor homography, points");
@@ -99,7 +100,7 @@ void AddFilm(CLI::App& app, Arguments& a) {
 
 void AddTrack(CLI::App& app, Arguments& a) {
   CLI::App* verb = app.add_subcommand("track", "run a SLAM system on a dataset folder, ours or anybody's");
-  verb->add_option("dataset", a.track.dataset, "folder in TUM RGB-D or EuRoC ASL layout")->required();
+  verb->add_option("dataset", a.track.dataset, "folder in TUM RGB-D, EuRoC ASL or VSLAM-LAB layout")->required();
   verb->add_option("--system", a.track.system,
                    "one of gaitcam list systems, a .so, a .yaml, or {process: [...]} and the like as in a scenario")
       ->capture_default_str();

@@ -37,7 +37,8 @@ std::string Problem::ToText() const {
                   : fmt::format("{}: {}", file.string(), message);
 }
 
-CheckedTable::CheckedTable(std::filesystem::path file, char separator, size_t columns, Problems& problems)
+CheckedTable::CheckedTable(std::filesystem::path file, char separator, size_t columns, Problems& problems,
+                           bool names_columns)
     : file_(std::move(file)), problems_(problems) {
   std::ifstream stream(file_, std::ios::binary);
   was_read_ = bool(stream) && !std::filesystem::is_directory(file_);
@@ -48,7 +49,14 @@ CheckedTable::CheckedTable(std::filesystem::path file, char separator, size_t co
   std::string text;
   for (int line = 1; std::getline(stream, text); ++line) {
     if (!text.empty() && text.back() == '\r') text.pop_back();
-    if (text.find_first_not_of(" \t") == std::string::npos || text[0] == '#') continue;
+    if (text.find_first_not_of(" \t") == std::string::npos || text[0] == '#') {
+      if (line == leading_comments_ + 1) ++leading_comments_;
+      continue;
+    }
+    if (names_columns && names_.empty()) {
+      names_ = Split(text, separator);
+      continue;
+    }
     Row row{line, Split(text, separator)};
     if (row.fields.size() < columns) {
       problems_.push_back(
@@ -57,6 +65,13 @@ CheckedTable::CheckedTable(std::filesystem::path file, char separator, size_t co
       rows_.push_back(std::move(row));
     }
   }
+}
+
+std::optional<size_t> CheckedTable::ColumnNamed(const std::string& name) {
+  const auto at = std::find(names_.begin(), names_.end(), name);
+  if (at != names_.end()) return size_t(at - names_.begin());
+  if (was_read_) problems_.push_back({file_, 1, fmt::format("names no column \"{}\"", name)});
+  return std::nullopt;
 }
 
 void CheckedTable::Fail(size_t row, const std::string& message) { problems_.push_back({file_, line(row), message}); }
@@ -80,18 +95,18 @@ std::optional<int64_t> CheckedTable::Integer(size_t row, size_t column, const st
   return std::nullopt;
 }
 
-std::vector<std::optional<int64_t>> CheckedTable::Stamps(bool seconds) {
+std::vector<std::optional<int64_t>> CheckedTable::Stamps(bool seconds, size_t column) {
   std::vector<std::optional<int64_t>> stamps;
   std::optional<int64_t> last;
   for (size_t row = 0; row < size(); ++row) {
     std::optional<int64_t> stamp;
     int64_t ns = 0;
     if (!seconds) {
-      stamp = Integer(row, 0, "the time in nanoseconds");
-    } else if (ParseSeconds(Text(row, 0), ns)) {
+      stamp = Integer(row, column, "the time in nanoseconds");
+    } else if (ParseSeconds(Text(row, column), ns)) {
       stamp = ns;
     } else {
-      Fail(row, fmt::format("the time in seconds is \"{}\", expected a number", Text(row, 0)));
+      Fail(row, fmt::format("the time in seconds is \"{}\", expected a number", Text(row, column)));
     }
     if (stamp && last && *stamp == *last) Fail(row, fmt::format("time {} s is there twice", SecondsText(*stamp)));
     if (stamp && last && *stamp < *last) {

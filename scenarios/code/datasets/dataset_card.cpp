@@ -6,7 +6,10 @@
 #include <fstream>
 #include <map>
 
+#include "algorithms/core/errors.h"
+#include "algorithms/io/calibration_file.h"
 #include "algorithms/io/checksum.h"
+#include "algorithms/io/program_settings.h"
 #include "scenarios/code/files/versions.h"
 #include "scenarios/code/runs/output_folder.h"
 
@@ -118,8 +121,9 @@ sequences/NAME-truth/  what is true of it; keep it from what is being evaluated
 ```
 
 {sensors}
-- `calibration.yaml`: intrinsics, extrinsics, IMU noise. `times.txt`: exposure per frame in ms. `exposure.csv`: also how
-  many IMU and joint samples belong to each frame. `joints.csv`: encoders (rad) and foot switches.
+- `{calibration}`: intrinsics, extrinsics, IMU noise. `{times}`: exposure per frame in ms. `exposure.csv`: also how
+  many IMU and joint samples belong to each frame. `joints.csv`: encoders (rad) and foot switches. `settings/`: the
+  calibration for other programs, see below.
 - Truth: `groundtruth.txt` (TUM format, pose X_WC of the left camera at mid-exposure), `frames.csv` (poses at shutter
   open and close, blur, gait phase, foot contacts, root pose), `subposes.csv` (every averaged instant), `sharp/` (one
   instant at mid-exposure, no noise), `depth/` (16-bit PNG, 5000 per metre), `blur/` (vectors, 16-bit PNG:
@@ -128,7 +132,8 @@ sequences/NAME-truth/  what is true of it; keep it from what is being evaluated
 {pairs}
 ## Units, frames, stamps
 
-- Metres, radians, seconds, pixels; stamps are nanoseconds on one clock (in TUM tables: seconds with nine decimals).
+- Metres, radians, seconds, pixels; stamps are nanoseconds on one clock (in TUM tables: seconds with nine decimals),
+  which shows 1 700 000 000 s when a walk begins: names of images have one length and sort by time.
 - **An image's stamp is the middle of its exposure.** With a rolling shutter, of its middle row.
 - X_AB maps points of B into A. World: x forward, y left, z up, floor at z = 0. Camera: x right, y down, z forward.
 - Quaternions are Hamilton's, in files as x y z w (EuRoC's tables: w x y z). Pixel (0, 0) is the centre of the first.
@@ -136,10 +141,30 @@ sequences/NAME-truth/  what is true of it; keep it from what is being evaluated
   median and 90 % over a sequence's frames. Images are averaged in linear light.
 )";
 
-constexpr const char* kTumLayout =
-    "- TUM RGB-D layout: `rgb/` with `rgb.txt`, `imu.csv` (gyroscope rad/s, accelerometer m/s^2).";
-constexpr const char* kEurocLayout =
-    "- EuRoC ASL layout: `mav0/cam0`, `mav0/imu0` (gyroscope rad/s, accelerometer m/s^2), each with `sensor.yaml`.";
+/// The sensors' files of one layout.
+const char* SensorsText(DatasetFormat format) {
+  switch (format) {
+    case DatasetFormat::kTum:
+      return "- TUM RGB-D layout: `rgb/` with `rgb.txt`, `imu.csv` (gyroscope rad/s, accelerometer m/s^2).";
+    case DatasetFormat::kEuroc:
+      return "- EuRoC ASL layout: `mav0/cam0`, `mav0/imu0` (gyroscope rad/s, accelerometer m/s^2), each with "
+             "`sensor.yaml`.";
+    case DatasetFormat::kVslamlab:
+      return "- VSLAM-LAB layout: `rgb_0/` with `rgb.csv`, `imu_0.csv` (gyroscope rad/s, accelerometer m/s^2),\n"
+             "  `calibration.yaml` as it has it. Its truth is `groundtruth.csv`, beside the folder.";
+  }
+  GAITCAM_ASSERT(false);
+  return "";
+}
+
+/// Whose settings lie in each sequence, with the command lines, by the first sequence's calibration.
+std::string SettingsText(const fs::path& sequences, const std::vector<SequenceRecord>& records, DatasetFormat format) {
+  if (records.empty()) return "";
+  const fs::path file = CalibrationFileOf(sequences / records.front().name, format);
+  if (!fs::exists(file)) return "";
+  return "## Other programs\n\nEach sequence's `settings/` holds its calibration as other programs read it.\n\n```\n" +
+         SettingsGuide(ReadCalibration(file), format) + "```\n";
+}
 
 constexpr const char* kPairsText =
     R"(- Pairs, `sequences/NAME-truth/pairs/NNNNNN_MMMMMM/`: `a.png`, `b.png` blurred; `a_sharp.png`, `b_sharp.png`;
@@ -168,7 +193,7 @@ std::string DatasetIndex(const RecordMatrix& matrix, const std::vector<SequenceR
   return text;
 }
 
-std::string DatasetCard(const RecordMatrix& matrix, const std::vector<SequenceRecord>& records) {
+std::string DatasetCard(const RecordMatrix& matrix, const std::vector<SequenceRecord>& records, const fs::path& out) {
   const MatrixOptions& o = matrix.options;
   const std::string& name = matrix.experiment.options.name;
   std::string text = "# " + name + "\n\n";
@@ -180,10 +205,13 @@ std::string DatasetCard(const RecordMatrix& matrix, const std::vector<SequenceRe
       "needs, with photon and read noise. No people, no places of the real world, no personal data.\n\n" +
       "**Licence:** " + (o.licence.empty() ? "not stated; ask whoever gave you this data" : o.licence) + "\n\n" +
       "## What varies\n\n" + AxesText(matrix) + "\n## Sequences\n\n" + SequenceTable(matrix, records) + "\n";
-  const bool tum = o.recording.format == DatasetFormat::kTum;
-  text += fmt::format(fmt::runtime(kLayout), fmt::arg("layout", tum ? "TUM RGB-D layout" : "EuRoC ASL layout"),
-                      fmt::arg("sensors", tum ? kTumLayout : kEurocLayout),
+  const DatasetFormat format = o.recording.format;
+  text += fmt::format(fmt::runtime(kLayout), fmt::arg("layout", NameOfLayout(format)),
+                      fmt::arg("sensors", SensorsText(format)),
+                      fmt::arg("calibration", CalibrationFileOf("", format).string()),
+                      fmt::arg("times", TimesFileOf("", format).string()),
                       fmt::arg("pairs", o.recording.pairs.enabled ? kPairsText : ""));
+  text += "\n" + SettingsText(out / "sequences", records, format);
   text += "\n## Made by\n\n" + VersionsText(records) +
           "\n## To make it again, to check it, to cite it\n\n"
           "`gaitcam record matrix.yaml --out FOLDER" +
@@ -199,7 +227,7 @@ std::string DatasetCard(const RecordMatrix& matrix, const std::vector<SequenceRe
 
 void WriteDatasetFiles(const fs::path& out, const RecordMatrix& matrix, const std::vector<SequenceRecord>& records) {
   WriteTextFile(out / "index.csv", DatasetIndex(matrix, records));
-  WriteTextFile(out / "README.md", DatasetCard(matrix, records));
+  WriteTextFile(out / "README.md", DatasetCard(matrix, records, out));
   std::string sums;
   for (const char* name : {"README.md", "index.csv", "matrix.yaml"})
     sums += Sha256OfFile(out / name) + "  " + name + "\n";

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -63,6 +64,31 @@ void CheckUnlisted(const fs::path& folder, const fs::path& table, const std::set
   for (const fs::path& file : others) problems.push_back({file, 0, "is not listed in " + table.string()});
 }
 
+/// A table of images with its columns found; none of its rows where these are not there.
+struct ListedStamps {
+  ListedStamps(const ImageListing& listing, Problems& problems)
+      : table(listing.table, listing.separator, 2, problems, listing.names_columns()) {
+    size_t stamp = 0;
+    if (listing.names_columns()) {
+      const auto stamps_at = table.ColumnNamed(listing.stamp_column), files_at = table.ColumnNamed(listing.file_column);
+      if (!stamps_at || !files_at) return;
+      stamp = *stamps_at;
+      file = *files_at;
+    }
+    for (size_t row = 0; row < table.size(); ++row) {
+      if (table.columns(row) > std::max(stamp, file)) continue;
+      table.Fail(row,
+                 fmt::format("has {} fields, expected at least {}", table.columns(row), std::max(stamp, file) + 1));
+      return;
+    }
+    stamps = table.Stamps(listing.in_seconds, stamp);
+  }
+
+  CheckedTable table;
+  size_t file = 1;  ///< Column.
+  std::vector<std::optional<int64_t>> stamps;
+};
+
 }  // namespace
 
 std::string FaultOfImage(const fs::path& file, ImageKind kind, const CameraModel& camera, uint64_t* content) {
@@ -85,28 +111,51 @@ std::string FaultOfImage(const fs::path& file, ImageKind kind, const CameraModel
   return fault;
 }
 
-std::vector<CheckedImage> CheckImages(const fs::path& root, const std::string& name, bool tum, ImageKind kind,
-                                      const CameraModel& camera, bool by_ours, Problems& problems) {
-  const fs::path folder = tum ? root : root / name / "data";
-  CheckedTable table(tum ? root / (name + ".txt") : root / name / "data.csv", tum ? ' ' : ',', 2, problems);
-  const std::vector<std::optional<int64_t>> stamps = table.Stamps(tum);
+void CheckTumHeader(CheckedTable& table) {
+  constexpr int kSkipped = 3;
+  if (!table.was_read() || table.leading_comments() == kSkipped) return;
+  table.FailWhole(fmt::format("has {} lines of comment at its top; expected {}, which readers of this layout skip",
+                              table.leading_comments(), kSkipped));
+}
+
+std::vector<CheckedImage> CheckImages(const ImageListing& listing, ImageKind kind, const CameraModel& camera,
+                                      bool by_ours, Problems& problems) {
+  ListedStamps listed(listing, problems);
+  CheckedTable& table = listed.table;
+  if (by_ours && listing.in_seconds) CheckTumHeader(table);
   std::vector<CheckedImage> images;
-  std::set<fs::path> listed;
-  for (size_t row = 0; row < table.size(); ++row) {
-    const fs::path file = folder / table.Text(row, 1);
-    if (!listed.insert(file).second) table.Fail(row, table.Text(row, 1) + " is listed twice");
-    CheckedImage image{stamps[row].value_or(0), table.line(row), file, 0};
+  std::set<fs::path> files;
+  std::string last;
+  int64_t last_ns = 0;
+  for (size_t row = 0; row < listed.stamps.size(); ++row) {
+    const std::string& name = table.Text(row, listed.file);
+    const fs::path file = listing.base / name;
+    if (!files.insert(file).second) table.Fail(row, name + " is listed twice");
+    CheckedImage image{listed.stamps[row].value_or(0), table.line(row), file, 0};
     const std::string fault = FaultOfImage(file, kind, camera, &image.content);
     if (!fault.empty()) table.Fail(row, file.string() + ": " + fault);
-    if (!stamps[row]) continue;
-    const std::string named = tum ? SecondsText(*stamps[row]) : std::to_string(*stamps[row]);
-    if (by_ours && file.stem() != named)
-      table.Fail(row, fmt::format("{} is not the image of its time; expected {}.png", table.Text(row, 1), named));
+    if (!listed.stamps[row]) continue;
+    const std::string named = listing.FileName(image.stamp_ns);
+    if (by_ours && file.filename() != named)
+      table.Fail(row, fmt::format("{} is not the image of its time; expected {}", name, named));
+    if (by_ours && named < last && image.stamp_ns > last_ns)
+      table.Fail(row, fmt::format("{} is sorted before {}, which is earlier", named, last));
+    last = named;
+    last_ns = image.stamp_ns;
     images.push_back(image);
   }
   if (table.was_read() && table.size() == 0) table.FailWhole("lists no image");
-  CheckUnlisted(tum ? root / name : folder, table.file(), listed, problems);
+  CheckUnlisted(listing.folder, table.file(), files, problems);
   return images;
+}
+
+void CompareImages(const ImageListing& listing, const std::vector<int64_t>& frames, const std::string& named,
+                   Problems& problems) {
+  Problems told;  // when the images were checked
+  ListedStamps listed(listing, told);
+  told.clear();
+  CompareStamps(listed.stamps, listed.table, frames, named);
+  problems.insert(problems.end(), told.begin(), told.end());
 }
 
 }  // namespace gaitcam

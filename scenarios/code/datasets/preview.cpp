@@ -59,6 +59,10 @@ cv::Mat DrawFrame(const RecordedFrame& frame, double scale) {
   return both;
 }
 
+double SecondsIntoFilm(const RecordedWalk& walk, const RecordedFrame& frame) {
+  return double(frame.stamp_ns - walk.frames.front().stamp_ns) * 1e-9;
+}
+
 std::vector<size_t> EvenlySpread(size_t of, size_t count) {
   std::vector<size_t> chosen;
   for (size_t i = 0; i < std::min(of, count); ++i)
@@ -77,7 +81,7 @@ void WritePreview(const RecordedWalk& walk, const std::filesystem::path& file) {
     VideoFrame picture;
     picture.camera = ReadImage(frame.image, "");
     if (!frame.sharp.empty()) picture.bystander = ReadImage(frame.sharp, "");
-    picture.time_s = double(frame.stamp_ns) * 1e-9;
+    picture.time_s = SecondsIntoFilm(walk, frame);
     picture.exposure_ms = frame.exposure_ms;
     picture.status = fmt::format("blur {:.1f} px", frame.blur_median_px);
     film.Add(picture);
@@ -102,7 +106,7 @@ void WriteContactSheet(const RecordedWalk& walk, const std::string& title, const
     const RecordedFrame& frame = walk.frames[chosen[i]];
     const int x = kGap_px + int(i) % columns * cell_width, y = kTitle_px + int(i) / columns * cell_height;
     Write(sheet,
-          fmt::format("{:.2f} s   blur {:.1f} px (90 %: {:.1f}, most {:.1f})", double(frame.stamp_ns) * 1e-9,
+          fmt::format("{:.2f} s   blur {:.1f} px (90 %: {:.1f}, most {:.1f})", SecondsIntoFilm(walk, frame),
                       frame.blur_median_px, frame.blur_p90_px, frame.blur_max_px),
           x, y + 17, 0.45, kLabelFaint);
     DrawFrame(frame, scale).copyTo(sheet(cv::Rect(x, y + kCaption_px, tile.width, tile.height)));

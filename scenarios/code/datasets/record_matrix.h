@@ -1,7 +1,7 @@
 /// Datasets: many recordings from one file, which is an experiment (scenarios/code/files/experiment.h) with keys of its
 /// own:
 ///
-///   format: tum               # or euroc
+///   format: tum               # or euroc, vslamlab
 ///   pairs: {every: 10}        # pairs of frames with true correspondences; absent: none
 ///   preview: true             # a video and a contact sheet per sequence
 ///   licence: CC-BY-4.0        # stated on the data card

@@ -11,6 +11,7 @@
 #include "algorithms/io/calibration_file.h"
 #include "algorithms/io/text_table.h"
 #include "scenarios/code/datasets/image_check.h"
+#include "scenarios/code/datasets/settings_check.h"
 #include "scenarios/code/datasets/truth_check.h"
 
 namespace gaitcam {
@@ -39,8 +40,7 @@ class SensorCheck {
  public:
   SensorCheck(fs::path folder, SequenceReport& report)
       : folder_(std::move(folder)),
-        tum_(FormatOfDataset(folder_) == DatasetFormat::kTum),
-        root_(tum_ ? folder_ : folder_ / "mav0"),
+        format_(FormatOfDataset(folder_)),
         by_ours_(fs::exists(folder_ / "about.txt") && fs::exists(folder_ / "exposure.csv")),
         report_(report),
         problems_(report.problems) {}
@@ -48,7 +48,7 @@ class SensorCheck {
   void Run() {
     Calibrate();
     const CameraModel camera = calibration_ ? calibration_->camera : CameraModel();
-    frames_ = CheckImages(root_, tum_ ? "rgb" : "cam0", tum_, ImageKind::kPicture, camera, by_ours_, problems_);
+    frames_ = CheckImages(Listing(ImageStream::kLeft), ImageKind::kPicture, camera, by_ours_, problems_);
     report_.frames = int64_t(frames_.size());
     report_.images = report_.frames;
     FindCopies();
@@ -56,19 +56,25 @@ class SensorCheck {
     const int64_t imu_samples = CheckImu(), joint_samples = CheckJoints();
     CheckExposures(imu_samples, joint_samples);
     CheckTimes();
+    if (!by_ours_) return;
+    CheckEpoch();
+    if (calibration_) CheckSettings(folder_, format_, *calibration_, StampsOf(frames_), problems_);
   }
 
   const std::vector<CheckedImage>& frames() const { return frames_; }
   const std::optional<Calibration>& calibration() const { return calibration_; }
 
  private:
-  std::string frames_name() const { return tum_ ? "rgb.txt" : "mav0/cam0/data.csv"; }
+  ImageListing Listing(ImageStream stream) const { return ListingOf(folder_, format_, stream); }
+  std::string frames_name() const { return Listing(ImageStream::kLeft).table.lexically_relative(folder_).string(); }
 
   void Calibrate() {
-    const fs::path file = folder_ / "calibration.yaml";
+    const fs::path file = CalibrationFileOf(folder_, format_);
     try {
-      if (fs::exists(file) || tum_) calibration_ = ReadCalibration(file);
-      if (!tum_) CompareSensorYaml(ReadEurocCalibration(root_));
+      if (fs::exists(file) || format_ == DatasetFormat::kTum) calibration_ = ReadCalibration(file);
+      if (format_ == DatasetFormat::kEuroc) CompareSensorYaml(ReadEurocCalibration(folder_ / "mav0"));
+      if (format_ == DatasetFormat::kVslamlab && !calibration_)
+        calibration_ = ReadVslamlabCalibration(folder_ / "calibration.yaml");
     } catch (const BadInput& e) {
       problems_.push_back(ProblemOf(e, file));
     }
@@ -86,7 +92,7 @@ class SensorCheck {
       const char* keys[] = {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"};
       for (size_t i = 0; i < std::size(keys); ++i) {
         if (std::abs(ours[i] - theirs[i]) <= 1e-9 * std::max(1.0, std::abs(ours[i]))) continue;
-        problems_.push_back({root_ / name / "sensor.yaml", 0,
+        problems_.push_back({folder_ / "mav0" / name / "sensor.yaml", 0,
                              fmt::format("{} is {:g}, but calibration.yaml says {:g}", keys[i], theirs[i], ours[i])});
       }
     };
@@ -101,7 +107,7 @@ class SensorCheck {
       if (frames_[i].content == 0) continue;
       const auto [it, is_new] = seen.emplace(frames_[i].content, i);
       if (!is_new && i > it->second + 1) {
-        problems_.push_back({root_ / (tum_ ? "rgb.txt" : "cam0/data.csv"), frames_[i].line,
+        problems_.push_back({Listing(ImageStream::kLeft).table, frames_[i].line,
                              fmt::format("{}: holds the very pixels of {}", frames_[i].file.string(),
                                          frames_[it->second].file.filename().string())});
       }
@@ -110,34 +116,25 @@ class SensorCheck {
   }
 
   void CheckOtherCameras(const CameraModel& camera) {
-    const auto check = [&](const char* name, ImageKind kind, const CameraModel& model) {
-      const std::vector<CheckedImage> images = CheckImages(root_, name, tum_, kind, model, by_ours_, problems_);
-      report_.images += int64_t(images.size());
-      if (by_ours_) CompareImages(name);
+    const auto check = [&](ImageStream stream, ImageKind kind, const CameraModel& model) {
+      const ImageListing listing = Listing(stream);
+      report_.images += int64_t(CheckImages(listing, kind, model, by_ours_, problems_).size());
+      if (by_ours_) CompareImages(listing, StampsOf(frames_), frames_name(), problems_);
     };
-    if (calibration_ && calibration_->right)
-      check(tum_ ? "rgb_right" : "cam1", ImageKind::kPicture, *calibration_->right);
-    const char* depth = tum_ ? "depth" : "depth0";
+    if (calibration_ && calibration_->right) check(ImageStream::kRight, ImageKind::kPicture, *calibration_->right);
     const bool has_depth = calibration_ && calibration_->has_depth;
-    const fs::path table = tum_ ? root_ / "depth.txt" : root_ / depth / "data.csv";
-    if (has_depth || fs::exists(table)) check(depth, ImageKind::kDepth, camera);
+    const ImageListing depth = Listing(ImageStream::kDepth);
+    if (has_depth || (!depth.names_columns() && fs::exists(depth.table)))
+      check(ImageStream::kDepth, ImageKind::kDepth, camera);
     if (fs::exists(folder_ / "associations.txt")) CheckAssociations();
-  }
-
-  void CompareImages(const char* name) {
-    const fs::path file = tum_ ? root_ / (std::string(name) + ".txt") : root_ / name / "data.csv";
-    Problems told;  // reported when the images were checked
-    CheckedTable table(file, tum_ ? ' ' : ',', 2, told);
-    const auto stamps = table.Stamps(tum_);
-    told.clear();
-    CompareStamps(stamps, table, StampsOf(frames_), frames_name());
-    problems_.insert(problems_.end(), told.begin(), told.end());
   }
 
   void CheckAssociations() {
     CheckedTable table(folder_ / "associations.txt", ' ', 4, problems_);
     const auto stamps = table.Stamps(true);
     if (by_ours_) CompareStamps(stamps, table, StampsOf(frames_), frames_name());
+    if (by_ours_ && table.leading_comments() > 0)
+      table.FailWhole("begins with a comment, which readers take for a frame");
     for (size_t row = 0; row < table.size(); ++row) {
       for (const size_t column : {1, 3}) {
         if (!fs::exists(folder_ / table.Text(row, column)))
@@ -148,17 +145,18 @@ class SensorCheck {
 
   /// @returns how many samples there are; -1 if there is no IMU.
   int64_t CheckImu() {
-    const fs::path file = tum_ ? folder_ / "imu.csv" : root_ / "imu0" / "data.csv";
+    const fs::path file = ImuFileOf(folder_, format_);
     if (!(calibration_ && calibration_->imu.rate_hz > 0) && !fs::exists(file)) return -1;
-    CheckedTable table(file, ',', 7, problems_);
+    CheckedTable table(file, ',', 7, problems_, format_ == DatasetFormat::kVslamlab);
     imu_stamps_ = table.Stamps(false);
     for (size_t row = 0; row < table.size(); ++row) {
       for (size_t column = 1; column < 7; ++column)
         table.Number(row, column, column < 4 ? "an angular rate" : "a specific force");
     }
     CheckRate(table);
-    if (tum_ && fs::exists(folder_ / "accelerometer.txt")) {
+    if (format_ == DatasetFormat::kTum && fs::exists(folder_ / "accelerometer.txt")) {
       CheckedTable forces(folder_ / "accelerometer.txt", ' ', 4, problems_);
+      if (by_ours_) CheckTumHeader(forces);
       forces.Stamps(true);
       if (forces.size() != table.size())
         forces.FailWhole(fmt::format("has {} samples, imu.csv {}", forces.size(), table.size()));
@@ -230,7 +228,7 @@ class SensorCheck {
   }
 
   void CheckTimes() {
-    const fs::path file = folder_ / "times.txt";
+    const fs::path file = TimesFileOf(folder_, format_);
     if (!by_ours_ && !fs::exists(file)) return;
     CheckedTable table(file, ' ', 3, problems_);
     if (!table.was_read()) return;
@@ -249,9 +247,18 @@ class SensorCheck {
     }
   }
 
+  /// Names made of stamps must have one length, whatever the walk's.
+  void CheckEpoch() {
+    constexpr int64_t kTenDigits_ns = 1'000'000'000'000'000'000;
+    if (frames_.empty() || frames_.front().stamp_ns >= kTenDigits_ns) return;
+    problems_.push_back({Listing(ImageStream::kLeft).table, frames_.front().line,
+                         fmt::format("the clock begins at {} s; expected an epoch of ten digits of seconds, so that "
+                                     "names of images sort by time",
+                                     SecondsText(frames_.front().stamp_ns))});
+  }
+
   const fs::path folder_;
-  const bool tum_;
-  const fs::path root_;
+  const DatasetFormat format_;
   const bool by_ours_;  ///< Recorded by gaitcam, which guarantees more than the layout asks for.
   SequenceReport& report_;
   Problems& problems_;

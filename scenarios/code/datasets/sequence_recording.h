@@ -32,7 +32,7 @@ struct SequenceOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, SequenceOptions& o) {
-  visit("format", o.format, EnumWords<DatasetFormat>(), "layout of the sequences: TUM RGB-D or EuRoC ASL");
+  visit("format", o.format, EnumWords<DatasetFormat>(), "layout of the sequences: TUM RGB-D, EuRoC ASL or VSLAM-LAB");
   visit("truth_inside", o.truth_inside, Nested(), "also put the ground truth where the layout's own tools look for it");
   visit("preview", o.preview, Nested(), "preview.mp4 and contact_sheet.png beside the truth");
   visit("pairs", o.pairs, Nested(), "true | {every, gap, points}: pairs of frames with true correspondences");

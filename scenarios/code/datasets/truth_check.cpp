@@ -31,14 +31,19 @@ class TruthCheck {
  public:
   TruthCheck(const DatasetFolders& folders, const std::vector<CheckedImage>& frames,
              const std::optional<Calibration>& calibration, SequenceReport& report)
-      : folders_(folders), calibration_(calibration), report_(report), problems_(report.problems) {
+      : folders_(folders),
+        format_(FormatOfDataset(folders.sensors)),
+        calibration_(calibration),
+        report_(report),
+        problems_(report.problems) {
     for (const CheckedImage& frame : frames) stamps_.push_back(frame.stamp_ns);
   }
 
   void Run() {
-    CheckPoses(folders_.truth / "groundtruth.txt", ' ', 4);
+    CheckPoses(folders_.truth / "groundtruth.txt", ' ');
     const fs::path states = folders_.truth / "mav0" / "state_groundtruth_estimate0" / "data.csv";
-    if (FormatOfDataset(folders_.sensors) == DatasetFormat::kEuroc || fs::exists(states)) CheckPoses(states, ',', 4);
+    if (format_ == DatasetFormat::kEuroc || fs::exists(states)) CheckPoses(states, ',');
+    if (format_ == DatasetFormat::kVslamlab) CheckPoses(folders_.truth / "groundtruth.csv", ',', true);
     CheckFrames();
     CheckSubposes();
     CheckImagesOfTruth();
@@ -54,15 +59,17 @@ class TruthCheck {
   std::string frames_name() const { return folders_.sensors.filename().string(); }
 
   /// Rows of a time, a position and a quaternion.
-  void CheckPoses(const fs::path& file, char separator, size_t quaternion) {
-    CheckedTable table(file, separator, 8, problems_);
+  void CheckPoses(const fs::path& file, char separator, bool names_columns = false) {
+    constexpr size_t kQuaternion = 4;
+    CheckedTable table(file, separator, 8, problems_, names_columns);
     if (!table.was_read()) return;
+    if (separator == ' ') CheckTumHeader(table);
     const auto stamps = table.Stamps(separator == ' ');
     CompareStamps(stamps, table, stamps_, frames_name());
     Eigen::Vector3d last = Eigen::Vector3d::Zero();
     bool last_known = false;
     for (size_t row = 0; row < table.size(); ++row) {
-      table.UnitQuaternion(row, quaternion, kUnit, "the pose");
+      table.UnitQuaternion(row, kQuaternion, kUnit, "the pose");
       const std::optional<Eigen::Vector3d> p = Position(table, row, 1, "the pose: a part of its position");
       if (p && last_known && stamps[row] && stamps[row - 1] && *stamps[row] > *stamps[row - 1]) {
         const double speed = (*p - last).norm() / (double(*stamps[row] - *stamps[row - 1]) * 1e-9);
@@ -129,15 +136,10 @@ class TruthCheck {
     const CameraModel camera = calibration_ ? calibration_->camera : CameraModel();
     for (const auto& [name, kind] :
          {std::pair{"sharp", ImageKind::kPicture}, {"depth", ImageKind::kDepth}, {"blur", ImageKind::kVectors}}) {
-      const fs::path file = folders_.truth / (std::string(name) + ".txt");
-      if (!fs::exists(file) && !fs::exists(folders_.truth / name)) continue;  // recorded without truth images
-      report_.images += int64_t(CheckImages(folders_.truth, name, true, kind, camera, true, problems_).size());
-      Problems told;
-      CheckedTable table(file, ' ', 2, told);
-      const auto stamps = table.Stamps(true);
-      told.clear();
-      CompareStamps(stamps, table, stamps_, frames_name());
-      problems_.insert(problems_.end(), told.begin(), told.end());
+      const ImageListing listing = TumListing(folders_.truth, name);
+      if (!fs::exists(listing.table) && !fs::exists(listing.folder)) continue;  // recorded without truth images
+      report_.images += int64_t(CheckImages(listing, kind, camera, true, problems_).size());
+      CompareImages(listing, stamps_, frames_name(), problems_);
     }
   }
 
@@ -160,7 +162,7 @@ class TruthCheck {
     const auto compare = [&](const std::string& key, double is, double should_be) {
       if (std::abs(is - should_be) <= 1e-9 * std::max(1.0, std::abs(should_be))) return;
       problems_.push_back(
-          {folders_.sensors / "calibration.yaml", 0,
+          {CalibrationFileOf(folders_.sensors, format_), 0,
            fmt::format("{} is {:.9g}, but the camera of {} has {:.9g}", key, is, file.string(), should_be)});
     };
     const auto compare_camera = [&](const std::string& key, const CameraModel& a, const CameraModel& b) {
@@ -221,7 +223,7 @@ class TruthCheck {
                                                   {"fy", calibration_->camera.fy, floor.fy, floor.fy_std}}) {
       if (std > kFocalCertain * should_be || std::abs(is / should_be - 1) <= kFocalError) continue;
       problems_.push_back(
-          {folders_.sensors / "calibration.yaml", 0,
+          {CalibrationFileOf(folders_.sensors, format_), 0,
            fmt::format("camera.{} is {:.2f} px, but {} points of the floor, by true depth and pose, lie in "
                        "the floor at {:.2f} px ({:+.1f} %)",
                        key, is, floor.points, should_be, 100 * (is / should_be - 1))});
@@ -332,6 +334,7 @@ class TruthCheck {
   }
 
   const DatasetFolders& folders_;
+  const DatasetFormat format_;
   const std::optional<Calibration>& calibration_;
   SequenceReport& report_;
   Problems& problems_;

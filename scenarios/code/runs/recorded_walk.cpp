@@ -8,6 +8,7 @@
 #include "algorithms/io/calibration_file.h"
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/image_file.h"
+#include "algorithms/io/image_table.h"
 #include "algorithms/io/text_table.h"
 #include "algorithms/io/trajectory_file.h"
 #include "results/scoring/statistics.h"
@@ -18,16 +19,11 @@ namespace {
 
 using FilesByStamp = std::map<int64_t, fs::path>;
 
-/// TUM: rows "t file" beside the files' folder. EuRoC: rows "t,file" of a camera's data.csv.
-FilesByStamp ReadImageTable(const fs::path& table_file, bool tum) {
+FilesByStamp ReadImageTable(const ImageListing& listing) {
   FilesByStamp files;
-  if (!fs::exists(table_file)) return files;
-  TextTable table(table_file, tum ? ' ' : ',');
-  const fs::path folder = tum ? table_file.parent_path() : table_file.parent_path() / "data";
-  while (table.Next()) {
-    const int64_t stamp_ns = tum ? table.SecondsAsNs(0, "the time in seconds") : table.Integer(0, "the time in ns");
-    files[stamp_ns] = folder / std::string(table.Text(1, "the name of an image file"));
-  }
+  if (!fs::exists(listing.table)) return files;
+  ImageTable table(listing);
+  while (const auto image = table.Next()) files[image->stamp_ns] = image->file;
   return files;
 }
 
@@ -71,12 +67,13 @@ std::vector<FrameTruth> ReadRecordedTruth(const DatasetFolders& folders) {
 }
 
 RecordedWalk ReadRecordedWalk(const DatasetFolders& folders) {
-  const bool tum = FormatOfDataset(folders.sensors) == DatasetFormat::kTum;
   const fs::path &sensors = folders.sensors, &truth = folders.truth;
-  RecordedWalk walk{folders, ReadCalibration(sensors / "calibration.yaml"), {}};
-  const FilesByStamp images = ReadImageTable(sensors / (tum ? "rgb.txt" : "mav0/cam0/data.csv"), tum);
-  const FilesByStamp sharp = ReadImageTable(truth / "sharp.txt", true);
-  const FilesByStamp depth = ReadImageTable(truth / "depth.txt", true), blur = ReadImageTable(truth / "blur.txt", true);
+  const DatasetFormat format = FormatOfDataset(sensors);
+  RecordedWalk walk{folders, ReadCalibration(CalibrationFileOf(sensors, format)), {}};
+  const FilesByStamp images = ReadImageTable(ListingOf(sensors, format, ImageStream::kLeft));
+  const FilesByStamp sharp = ReadImageTable(TumListing(truth, "sharp"));
+  const FilesByStamp depth = ReadImageTable(TumListing(truth, "depth")),
+                     blur = ReadImageTable(TumListing(truth, "blur"));
   const std::map<int64_t, double> exposures = ReadExposures(sensors / "exposure.csv");
   std::map<int64_t, Pose> poses;
   for (const StampedPose& p : ReadTrajectory(truth / "groundtruth.txt", TrajectoryFormat::kTum).trajectory)

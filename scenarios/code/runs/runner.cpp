@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "algorithms/core/clock.h"
 #include "algorithms/core/errors.h"
 #include "algorithms/io/covariance_file.h"
 #include "algorithms/io/trajectory_file.h"
@@ -32,12 +33,12 @@ class Film {
   }
 
   void Add(const SimulatedFrame& frame, Simulation& simulation) {
-    if (!writer_ || double(frame.truth.stamp_ns) * 1e-9 * options_.rate_hz < double(writer_->frames())) return;
+    if (!writer_ || SecondsIntoWalk(frame.truth.stamp_ns) * options_.rate_hz < double(writer_->frames())) return;
     const int height = options_.height_px, width = height * 4 / 3 / 2 * 2;
     VideoFrame picture;
     picture.camera = frame.observation.image.pixels;
     picture.bystander = simulation.ThirdPersonView(width, height);
-    picture.time_s = double(frame.truth.stamp_ns) * 1e-9;
+    picture.time_s = SecondsIntoWalk(frame.truth.stamp_ns);
     picture.exposure_ms = frame.observation.exposure_ms;
     picture.status = fmt::format("blur {:.1f} px", frame.truth.blur_median_px);
     writer_->Add(picture);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "algorithms/core/clock.h"
 #include "algorithms/core/se3.h"
 
 namespace gaitcam {
@@ -34,16 +35,29 @@ TEST(GyroTurn, OfAConstantRateIsItsProductWithTime) {
   GyroTurn gyro(Imu());
   const Eigen::Vector3d rate_C(0.5, -1, 0.2);
   gyro.Add(Samples(rate_C, 0, 200));
-  const auto turn = gyro.Between(0.1013e9, 0.7e9);  // ends lie within samples' periods
+  const auto turn = gyro.Between(101'300'000, 700'000'000);  // ends lie within samples' periods
   ASSERT_TRUE(turn);
   EXPECT_LT((*turn - 0.5987 * rate_C).norm(), 1e-12);
+}
+
+/// Doubles of such nanoseconds are 256 ns apart.
+TEST(GyroTurn, TheClocksEpochMovesNoBit) {
+  GyroTurn early(Imu()), late(Imu());
+  std::vector<ImuSample> samples = Samples({0.5, -1, 0.2}, 0, 200);
+  early.Add(samples);
+  for (ImuSample& sample : samples) sample.stamp_ns += kClockStart_ns;
+  late.Add(samples);
+  const auto expected = early.Between(101'300'123, 700'000'457);
+  const auto turn = late.Between(kClockStart_ns + 101'300'123, kClockStart_ns + 700'000'457);
+  ASSERT_TRUE(expected && turn);
+  EXPECT_EQ(*turn, *expected);
 }
 
 TEST(GyroTurn, ComposesRatesInTheirOrder) {
   GyroTurn gyro(Imu());
   gyro.Add(Samples({2, 0, 0}, 0, 100));  // each covers half a period before and after its stamp
   gyro.Add(Samples({0, 3, 0}, 100, 200));
-  const auto turn = gyro.Between(-0.0025e9, 0.9975e9);
+  const auto turn = gyro.Between(-2'500'000, 997'500'000);
   ASSERT_TRUE(turn);
   const Eigen::Quaterniond R_FT = ExpSo3({1, 0, 0}) * ExpSo3({0, 1.5, 0});
   EXPECT_LT((*turn - LogSo3(R_FT)).norm(), 1e-12);
@@ -53,13 +67,13 @@ TEST(GyroTurn, FillsSmallGapsAndRefusesLargeOnes) {
   GyroTurn gyro(Imu());
   const Eigen::Vector3d rate_C(0, 0, 1);
   gyro.Add(Samples(rate_C, 0, 80));
-  const auto turn = gyro.Between(0, 0.5e9);  // 80 % covered
+  const auto turn = gyro.Between(0, 500'000'000);  // 80 % covered
   ASSERT_TRUE(turn);
   EXPECT_LT((*turn - 0.5 * rate_C).norm(), 1e-12);
-  EXPECT_FALSE(gyro.Between(0, 0.6e9));  // 66 %
+  EXPECT_FALSE(gyro.Between(0, 600'000'000));  // 66 %
   gyro.DropBefore(40 * kPeriod_ns);
-  EXPECT_FALSE(gyro.Between(0, 0.3e9));
-  EXPECT_TRUE(gyro.Between(0.2e9, 0.3e9));
+  EXPECT_FALSE(gyro.Between(0, 300'000'000));
+  EXPECT_TRUE(gyro.Between(200'000'000, 300'000'000));
   EXPECT_TRUE(gyro.has_samples());
 }
 
@@ -70,7 +84,7 @@ TEST(GyroTurn, LearnsABiasAsPreciselyAsItsMeasurementsAllow) {
   constexpr int kMeasurements = 100;
   gyro.Add(Samples(rate_C + bias_C, 0, 400));
   for (int i = 0; i < kMeasurements; ++i) {
-    const auto turn = gyro.Between(0, kTime_s * 1e9);
+    const auto turn = gyro.Between(0, int64_t(kTime_s * 1e9));
     ASSERT_TRUE(turn);
     gyro.LearnBias(LogSo3(ExpSo3(kTime_s * rate_C).conjugate() * ExpSo3(*turn)), kTime_s, kSigma_rad);
   }

@@ -20,6 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using ::testing::StartsWith;
 
 constexpr int kWidth = 32, kHeight = 24;
 
@@ -202,12 +204,13 @@ class Datasets : public FileTest {
   }
 };
 
-class BothFormats : public Datasets, public ::testing::WithParamInterface<DatasetFormat> {};
+class EachFormat : public Datasets, public ::testing::WithParamInterface<DatasetFormat> {};
 
-INSTANTIATE_TEST_SUITE_P(Format, BothFormats, ::testing::Values(DatasetFormat::kTum, DatasetFormat::kEuroc),
+INSTANTIATE_TEST_SUITE_P(Format, EachFormat,
+                         ::testing::Values(DatasetFormat::kTum, DatasetFormat::kEuroc, DatasetFormat::kVslamlab),
                          [](const auto& info) { return ToString(info.param); });
 
-TEST_P(BothFormats, WhatASystemSeesComesBackToTheBit) {
+TEST_P(EachFormat, WhatASystemSeesComesBackToTheBit) {
   const Calibration calibration = FullCalibration();
   const std::vector<Observation> written = SomeObservations(calibration, 5);
   for (const bool truth_inside : {false, true}) {
@@ -227,7 +230,7 @@ TEST_P(BothFormats, WhatASystemSeesComesBackToTheBit) {
   }
 }
 
-TEST_P(BothFormats, AMonocularGreyRecordingComesBackToTheBit) {
+TEST_P(EachFormat, AMonocularGreyRecordingComesBackToTheBit) {
   const Calibration calibration = MonoCalibration();
   const std::vector<Observation> written = SomeObservations(calibration, 3, CV_8UC1);
   Record(calibration, written, {GetParam(), true});
@@ -236,7 +239,7 @@ TEST_P(BothFormats, AMonocularGreyRecordingComesBackToTheBit) {
   for (const Observation& o : written) ExpectSame(*reader.Next(), o);  // true depth inside is no sensor's
 }
 
-TEST_P(BothFormats, NoTruthLiesInTheFolderOfTheSensors) {
+TEST_P(EachFormat, NoTruthLiesInTheFolderOfTheSensors) {
   const auto written = SomeObservations(FullCalibration(), 2);
   Record(FullCalibration(), written, {GetParam()});
   for (const auto& entry : fs::recursive_directory_iterator(folder_ / "walk")) {
@@ -248,7 +251,7 @@ TEST_P(BothFormats, NoTruthLiesInTheFolderOfTheSensors) {
   EXPECT_TRUE(fs::exists(folder_ / "walk-truth" / "groundtruth.txt"));
 }
 
-TEST_P(BothFormats, TruthIsWrittenBesideInFull) {
+TEST_P(EachFormat, TruthIsWrittenBesideInFull) {
   const auto written = SomeObservations(MonoCalibration(), 3);
   Record(MonoCalibration(), written, {GetParam()});
   const fs::path truth = folder_ / "walk-truth";
@@ -289,13 +292,67 @@ TEST_F(Datasets, TheTumLayoutIsWhatItsToolsRead) {
   EXPECT_THAT(ReadText(root / "rgb.txt"), HasSubstr("\n1403636579.763555584 rgb/1403636579.763555584.png\n"));
   EXPECT_THAT(ReadText(root / "depth.txt"), HasSubstr("\n1403636579.763555584 depth/1403636579.763555584.png\n"));
   EXPECT_THAT(ReadText(root / "associations.txt"),
-              HasSubstr("\n1403636579.763555584 rgb/1403636579.763555584.png 1403636579.763555584 "
-                        "depth/1403636579.763555584.png\n"));
+              StartsWith("1403636579.763555584 rgb/1403636579.763555584.png 1403636579.763555584 "
+                         "depth/1403636579.763555584.png\n"));
   EXPECT_THAT(ReadText(root / "times.txt"), HasSubstr("\n00001 1403636579.796888917 7.666666666666667\n"));
   EXPECT_THAT(ReadText(root / "accelerometer.txt"), HasSubstr("\n1403636579.756555584 "));
   EXPECT_EQ(ReadTrajectory(root / "groundtruth.txt").trajectory.size(), 2u);
   TextTable rgb(root / "rgb.txt", ' ');
   while (rgb.Next()) EXPECT_TRUE(fs::exists(root / rgb.Text(1, "file")));
+}
+
+/// Readers of this layout skip three lines, of associations and of DSO's times none.
+TEST_F(Datasets, TumTablesBeginWithThreeLinesOfComment) {
+  const Calibration calibration = FullCalibration();
+  Record(calibration, SomeObservations(calibration, 2), {DatasetFormat::kTum, true});
+  const fs::path root = folder_ / "walk", truth = folder_ / "walk-truth";
+  for (const fs::path& file : {root / "rgb.txt", root / "rgb_right.txt", root / "depth.txt", root / "accelerometer.txt",
+                               root / "groundtruth.txt", truth / "groundtruth.txt", truth / "sharp.txt",
+                               truth / "depth.txt", truth / "blur.txt"}) {
+    EXPECT_THAT(ReadText(file), MatchesRegex("(#[^\n]*\n){3}[0-9](.|\n)*")) << file;
+  }
+  EXPECT_THAT(ReadText(root / "times.txt"), StartsWith("00000 1403636579.763555584 "));
+}
+
+TEST_F(Datasets, TheVslamlabLayoutIsWhatItsToolsRead) {
+  const Calibration calibration = FullCalibration();
+  Record(calibration, SomeObservations(calibration, 2), {DatasetFormat::kVslamlab, true});
+  const fs::path root = folder_ / "walk";
+  EXPECT_THAT(ReadText(root / "rgb.csv"),
+              StartsWith("ts_rgb_0 (ns),path_rgb_0,ts_rgb_1 (ns),path_rgb_1,ts_depth_0 (ns),path_depth_0\n"
+                         "1403636579763555584,rgb_0/1403636579763555584.png,"
+                         "1403636579763555584,rgb_1/1403636579763555584.png,"
+                         "1403636579763555584,depth_0/1403636579763555584.png\n"));
+  for (const char* stream : {"rgb_0", "rgb_1", "depth_0"}) {
+    EXPECT_TRUE(fs::exists(root / stream / "1403636579763555584.png")) << stream;
+  }
+  EXPECT_THAT(ReadText(root / "imu_0.csv"), StartsWith("ts (ns),wx (rad s^-1),"));
+  const std::string header = "ts (ns),tx (m),ty (m),tz (m),qx,qy,qz,qw\n1403636579763555584,";
+  EXPECT_THAT(ReadText(root / "groundtruth.csv"), StartsWith(header));
+  EXPECT_THAT(ReadText(folder_ / "walk-truth" / "groundtruth.csv"), StartsWith(header));
+}
+
+/// Without our own files, what VSLAM-LAB's calibration.yaml says is the same.
+TEST_F(Datasets, AForeignVslamlabFolderCalibratesItself) {
+  const Calibration calibration = FullCalibration();
+  const auto written = SomeObservations(calibration, 2, CV_8UC1);
+  Record(calibration, written, {DatasetFormat::kVslamlab});
+  fs::remove(folder_ / "walk" / "calibration_gaitcam.yaml");
+  fs::remove(folder_ / "walk" / "exposure.csv");
+  DatasetReader reader(folder_ / "walk");
+  const Calibration& read = reader.calibration();
+  ExpectSame(read.camera, calibration.camera);
+  ExpectSame(*read.right, *calibration.right);
+  EXPECT_LT((read.X_LR.translation - calibration.X_LR.translation).norm(), 1e-12);
+  EXPECT_LT((read.imu.X_CI.translation - calibration.imu.X_CI.translation).norm(), 1e-12);
+  EXPECT_LT(RotationAngle(read.imu.X_CI.rotation, calibration.imu.X_CI.rotation), 1e-7);
+  EXPECT_EQ(read.imu.gyro_random_walk, calibration.imu.gyro_random_walk);
+  EXPECT_TRUE(read.has_depth);
+  const auto o = reader.Next();
+  ASSERT_TRUE(o && o->right && o->depth);
+  EXPECT_TRUE(SameBits(o->image.pixels, written[0].image.pixels));
+  Spoil(folder_ / "walk" / "calibration.yaml", "radtan4", "equid4");
+  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("calibration.yaml:10: distortion_type: equid4 is not supported")));
 }
 
 TEST_F(Datasets, TheEurocLayoutIsWhatItsToolsRead) {
@@ -484,21 +541,21 @@ TEST_F(Datasets, SpoiltFilesAreNamedWithTheirLine) {
 
   fresh();
   fs::remove(root / "rgb" / (second + ".png"));
-  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr(second + ".png: cannot read"), HasSubstr("rgb.txt:3")));
+  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr(second + ".png: cannot read"), HasSubstr("rgb.txt:5")));
   std::ofstream(root / "rgb" / (second + ".png")) << "this is no picture";
-  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("not an image that can be decoded"), HasSubstr("rgb.txt:3")));
+  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("not an image that can be decoded"), HasSubstr("rgb.txt:5")));
   fresh();
   fs::resize_file(root / "rgb" / (second + ".png"), fs::file_size(root / "rgb" / (second + ".png")) / 2);
   EXPECT_THAT(ReadAllRefused(), HasSubstr("not an image that can be decoded"));
   WritePng(root / "rgb" / (second + ".png"), cv::Mat(5, 5, CV_8UC3), 1);
-  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("5 x 5 pixels"), HasSubstr("rgb.txt:3")));
+  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("5 x 5 pixels"), HasSubstr("rgb.txt:5")));
 
   fresh();
   Spoil(root / "rgb.txt", second + " ", "yesterday ");
-  EXPECT_THAT(ReadAllRefused(), HasSubstr("rgb.txt:3: \"yesterday\" is not a time"));
+  EXPECT_THAT(ReadAllRefused(), HasSubstr("rgb.txt:5: \"yesterday\" is not a time"));
   fresh();
   Spoil(root / "rgb.txt", second + " ", "1403636579.763555584 ");
-  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("rgb.txt:3:"), HasSubstr("does not come after")));
+  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("rgb.txt:5:"), HasSubstr("does not come after")));
   fresh();
   Spoil(root / "exposure.csv", "1403636579796888917,", "1403636579796888918,");
   EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("exposure.csv:3:"), HasSubstr("1403636579796888917")));
@@ -550,7 +607,8 @@ TEST_F(Datasets, ACalibrationThatDoesNotSayTheReadoutMeansAGlobalShutter) {
 TEST_F(Datasets, AFolderThatIsNoneIsSaid) {
   const auto refusal = [&](const fs::path& folder) { return ErrorOf<BadInput>([&] { DatasetReader reader(folder); }); };
   EXPECT_THAT(refusal(folder_ / "absent"), HasSubstr("there is no such folder"));
-  EXPECT_THAT(refusal(folder_), HasSubstr("expected rgb.txt (TUM RGB-D) or mav0/cam0/data.csv"));
+  EXPECT_THAT(refusal(folder_),
+              HasSubstr("expected rgb.txt (TUM RGB-D), mav0/cam0/data.csv (EuRoC ASL) or rgb.csv (VSLAM-LAB)"));
   Write("a/rgb.txt", "");
   Write("b/rgb.txt", "");
   EXPECT_THAT(refusal(folder_), HasSubstr("several datasets"));

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "algorithms/core/clock.h"
 #include "results/scoring/place_graph_score.h"
 
 namespace gaitcam {
@@ -29,10 +30,11 @@ cv::Mat Bar(int x) {
 /// the known panorama's middle; the robot has turned to the right by 60 degrees when it sees it again.
 PlaceGraph Graph(int loops = 1) {
   PlaceGraph graph;
-  for (int k = 0; k < 4; ++k) graph.nodes.push_back({k * 10'000'000'000LL, 169, Bar(kWidth / 2 + 180)});
-  for (int k = 0; k < 3; ++k) graph.links.push_back({k, k + 1, false, (k + 1) * 10'000'000'000LL});
+  for (int k = 0; k < 4; ++k)
+    graph.nodes.push_back({kClockStart_ns + k * 10'000'000'000LL, 169, Bar(kWidth / 2 + 180)});
+  for (int k = 0; k < 3; ++k) graph.links.push_back({k, k + 1, false, kClockStart_ns + (k + 1) * 10'000'000'000LL});
   for (int k = 0; k < loops; ++k) {
-    const int64_t stamp = 50'000'000'000LL + k;
+    const int64_t stamp = kClockStart_ns + 50'000'000'000LL + k;
     graph.links.push_back({3, 1, true, stamp});
     graph.tests.push_back(
         {stamp, {1, 0, 4, 0, 0}, {0.2, 0, 0.8, 0, 0}, 1, -std::numbers::pi / 3, Bar(kWidth / 2 + 60)});
@@ -44,7 +46,7 @@ Trajectory OutAndBack() {
   Trajectory truth;
   for (int k = 0; k <= 520; ++k) {
     const double s = 0.1 * k, x = 0.1 * std::min(s, 70 - s);  // turns at 35 s
-    truth.push_back({k * 100'000'000LL, Pose{Eigen::Quaterniond::Identity(), {x, 0.001 * s, 0.3}}});
+    truth.push_back({kClockStart_ns + k * 100'000'000LL, Pose{Eigen::Quaterniond::Identity(), {x, 0.001 * s, 0.3}}});
   }
   return truth;
 }
@@ -99,6 +101,7 @@ TEST(ReportGraph, EveryPlaceLinkAndLoopIsDrawn) {
   EXPECT_EQ(Count(html, "<line class=\"link\""), 3u);
   EXPECT_EQ(Count(html, "<line class=\"wrong\""), 1u);  // the robot is at 2 m, the place at 1 m
   EXPECT_THAT(html, HasSubstr("False: place 1"));
+  EXPECT_THAT(html, HasSubstr("at 50.0 s, "));  // since the walk began, whatever the clock shows
 }
 
 TEST(ReportGraph, WhatWasSeenAllAroundLiesOverThePlaceAsItWasKnown) {

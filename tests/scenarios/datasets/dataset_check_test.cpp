@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Walks recorded once for all tests: an RGB-D one in TUM's layout with pairs, a stereo one in EuRoC's.
+/// Walks recorded once for all tests: an RGB-D one in TUM's layout with pairs, stereo ones in EuRoC's and VSLAM-LAB's.
 const fs::path& Recorded(const std::string& format) {
   static const TemporaryFolder temporary;
   static std::map<std::string, fs::path> folders;
@@ -77,8 +77,8 @@ class DatasetCheck : public testing::Test {
   fs::path out() const { return temporary_.path() / "data"; }
   fs::path walk() const { return out() / "walk"; }
   fs::path truth() const { return out() / "walk-truth"; }
-  fs::path Image(size_t number) const {  // counted from 1, by rgb.txt, which has one line of comment
-    const std::string row = Lines(walk() / "rgb.txt").at(number);
+  fs::path Image(size_t number) const {  // counted from 1, by rgb.txt, which has three lines of comment
+    const std::string row = Lines(walk() / "rgb.txt").at(number + 2);
     return walk() / row.substr(row.find(' ') + 1);
   }
 
@@ -98,7 +98,7 @@ class DatasetCheck : public testing::Test {
 };
 
 TEST_F(DatasetCheck, WhatWasRecordedHasNoFault) {
-  for (const std::string format : {"tum", "euroc"}) {
+  for (const std::string format : {"tum", "euroc", "vslamlab"}) {
     Copy(format);
     const DatasetReport report = CheckDataset(out());
     EXPECT_THAT(Faults(), IsEmpty()) << format;
@@ -118,64 +118,64 @@ TEST_F(DatasetCheck, WhatWasRecordedHasNoFault) {
 TEST_F(DatasetCheck, MissingImage) {
   Copy("tum");
   fs::remove(Image(5));
-  ExpectFault("data/walk/rgb.txt:6: data/walk/rgb/0.405000000.png: there is no such file");
+  ExpectFault("data/walk/rgb.txt:8: data/walk/rgb/1700000000.405000000.png: there is no such file");
 }
 
 TEST_F(DatasetCheck, TruncatedImage) {
   Copy("tum");
   fs::resize_file(Image(5), fs::file_size(Image(5)) * 2 / 3);
-  ExpectFault("data/walk/rgb.txt:6: data/walk/rgb/0.405000000.png: is cut off");
+  ExpectFault("data/walk/rgb.txt:8: data/walk/rgb/1700000000.405000000.png: is cut off");
 }
 
 TEST_F(DatasetCheck, ImageOfAnotherSize) {
   Copy("tum");
   cv::imwrite(Image(3).string(), cv::imread(Image(3).string())(cv::Rect(0, 0, 80, 60)));
-  ExpectFault("rgb.txt:4: data/walk/rgb/0.205000000.png: has 80 x 60 pixels, the calibration says 160 x 120");
+  ExpectFault("rgb.txt:6: data/walk/rgb/1700000000.205000000.png: has 80 x 60 pixels, the calibration says 160 x 120");
 }
 
 TEST_F(DatasetCheck, BlackImage) {
   Copy("tum");
   cv::imwrite(Image(3).string(), cv::Mat::zeros(120, 160, CV_8UC3));
-  ExpectFault("rgb.txt:4: data/walk/rgb/0.205000000.png: is all of one colour");
+  ExpectFault("rgb.txt:6: data/walk/rgb/1700000000.205000000.png: is all of one colour");
 }
 
 TEST_F(DatasetCheck, ImageInThePlaceOfAnother) {
   Copy("tum");
   fs::copy_file(Image(3), Image(15), fs::copy_options::overwrite_existing);
-  ExpectFault("rgb.txt:16: data/walk/rgb/1.405000000.png: holds the very pixels of 0.205000000.png");
+  ExpectFault("rgb.txt:18: data/walk/rgb/1700000001.405000000.png: holds the very pixels of 1700000000.205000000.png");
 }
 
 TEST_F(DatasetCheck, StampsInTheWrongOrder) {
   Copy("tum");
   std::vector<std::string> lines = Lines(walk() / "rgb.txt");
-  std::swap(lines[7], lines[8]);
+  std::swap(lines[9], lines[10]);
   WriteLines(walk() / "rgb.txt", lines);
-  ExpectFault("rgb.txt:9: time 0.605000000 s comes before that of the row above, 0.705000000 s");
+  ExpectFault("rgb.txt:11: time 1700000000.605000000 s comes before that of the row above, 1700000000.705000000 s");
 }
 
 TEST_F(DatasetCheck, RowThatIsThereTwice) {
   Copy("tum");
   std::vector<std::string> lines = Lines(walk() / "rgb.txt");
-  lines.insert(lines.begin() + 8, lines[7]);
+  lines.insert(lines.begin() + 10, lines[9]);
   WriteLines(walk() / "rgb.txt", lines);
-  ExpectFault("rgb.txt:9: time 0.605000000 s is there twice");
-  ExpectFault("rgb.txt:9: rgb/0.605000000.png is listed twice");
+  ExpectFault("rgb.txt:11: time 1700000000.605000000 s is there twice");
+  ExpectFault("rgb.txt:11: rgb/1700000000.605000000.png is listed twice");
 }
 
 TEST_F(DatasetCheck, RowThatIsMissing) {
   Copy("tum");
   std::vector<std::string> lines = Lines(walk() / "rgb.txt");
-  lines.erase(lines.begin() + 8);
+  lines.erase(lines.begin() + 10);
   WriteLines(walk() / "rgb.txt", lines);
-  ExpectFault("data/walk/rgb/0.705000000.png: is not listed in data/walk/rgb.txt");
+  ExpectFault("data/walk/rgb/1700000000.705000000.png: is not listed in data/walk/rgb.txt");
   ExpectFault("times.txt: has 20 rows, rgb.txt has 19 frames");
-  ExpectFault("walk-truth/frames.csv:9: walk has no frame at 0.705000000 s");
+  ExpectFault("walk-truth/frames.csv:9: walk has no frame at 1700000000.705000000 s");
 }
 
 TEST_F(DatasetCheck, QuaternionThatIsNoRotation) {
   Copy("tum");
-  SetField(truth() / "groundtruth.txt", 4, 4, "0.9");
-  ExpectFault("groundtruth.txt:4: the pose: its quaternion has length");
+  SetField(truth() / "groundtruth.txt", 6, 4, "0.9");
+  ExpectFault("groundtruth.txt:6: the pose: its quaternion has length");
   Copy("euroc");
   SetField(truth() / "mav0/state_groundtruth_estimate0/data.csv", 4, 4, "0.1");
   ExpectFault("state_groundtruth_estimate0/data.csv:4: the pose: its quaternion has length");
@@ -183,32 +183,33 @@ TEST_F(DatasetCheck, QuaternionThatIsNoRotation) {
 
 TEST_F(DatasetCheck, PoseThatIsNoNumber) {
   Copy("tum");
-  SetField(truth() / "groundtruth.txt", 4, 2, "nan");
-  ExpectFault("groundtruth.txt:4: the pose: a part of its position is \"nan\", expected a finite number");
+  SetField(truth() / "groundtruth.txt", 6, 2, "nan");
+  ExpectFault("groundtruth.txt:6: the pose: a part of its position is \"nan\", expected a finite number");
 }
 
 TEST_F(DatasetCheck, PoseOfAnotherPlace) {
   Copy("tum");
-  SetField(truth() / "groundtruth.txt", 4, 2, "7.5");
-  ExpectFault("groundtruth.txt:4: the pose is 9.");  // m from the one before it
+  SetField(truth() / "groundtruth.txt", 6, 2, "7.5");
+  ExpectFault("groundtruth.txt:6: the pose is 9.");  // m from the one before it
 }
 
 TEST_F(DatasetCheck, PosesOfAnotherHeight) {
   Copy("tum");
   std::vector<std::string> lines = Lines(truth() / "groundtruth.txt");
-  for (size_t i = 1; i < lines.size(); ++i) SetField(truth() / "groundtruth.txt", i + 1, 3, "0.33");
+  for (size_t i = 3; i < lines.size(); ++i) SetField(truth() / "groundtruth.txt", i + 1, 3, "0.33");
   ExpectFault("points of the floor, by true depth and pose, lie in the floor at");  // camera too high or f too short
   Copy("tum");
-  SetField(truth() / "groundtruth.txt", 11, 3, "0.33");
-  ExpectFault("depth/0.905000000.png: by depth and pose (groundtruth.txt, 0.905000000 s) the floor is ");
+  SetField(truth() / "groundtruth.txt", 13, 3, "0.33");
+  ExpectFault(
+      "depth/1700000000.905000000.png: by depth and pose (groundtruth.txt, 1700000000.905000000 s) the floor is ");
 }
 
 TEST_F(DatasetCheck, RowOfTheTruthThatIsMissing) {
   Copy("tum");
   std::vector<std::string> lines = Lines(truth() / "groundtruth.txt");
-  lines.erase(lines.begin() + 10);
+  lines.erase(lines.begin() + 12);
   WriteLines(truth() / "groundtruth.txt", lines);
-  ExpectFault("groundtruth.txt: has no row for the frame at 0.905000000 s of walk");
+  ExpectFault("groundtruth.txt: has no row for the frame at 1700000000.905000000 s of walk");
 }
 
 /// Nothing but geometry can know: the scenario that says it as well is gone, and both cameras' rows agree.
@@ -246,25 +247,25 @@ TEST_F(DatasetCheck, CalibrationThatCannotBeRead) {
 
 TEST_F(DatasetCheck, DepthImageThatIsMissing) {
   Copy("tum");
-  fs::remove(truth() / "depth" / "0.405000000.png");
-  ExpectFault("depth.txt:6: data/walk-truth/depth/0.405000000.png: there is no such file");
-  fs::remove(walk() / "depth" / "0.505000000.png");
-  ExpectFault("walk/depth.txt:7: data/walk/depth/0.505000000.png: there is no such file");
-  ExpectFault("associations.txt:7: depth/0.505000000.png: there is no such file");
+  fs::remove(truth() / "depth" / "1700000000.405000000.png");
+  ExpectFault("depth.txt:8: data/walk-truth/depth/1700000000.405000000.png: there is no such file");
+  fs::remove(walk() / "depth" / "1700000000.505000000.png");
+  ExpectFault("walk/depth.txt:9: data/walk/depth/1700000000.505000000.png: there is no such file");
+  ExpectFault("associations.txt:6: depth/1700000000.505000000.png: there is no such file");
 }
 
 TEST_F(DatasetCheck, DepthOfAnotherFrame) {
   Copy("tum");
   fs::remove_all(truth() / "pairs");
-  fs::copy_file(truth() / "depth" / "0.005000000.png", truth() / "depth" / "1.805000000.png",
+  fs::copy_file(truth() / "depth" / "1700000000.005000000.png", truth() / "depth" / "1700000001.805000000.png",
                 fs::copy_options::overwrite_existing);
-  ExpectFault("blur/1.805000000.png: its vectors");
+  ExpectFault("blur/1700000001.805000000.png: its vectors");
 }
 
 TEST_F(DatasetCheck, RightImageThatIsMissing) {
   Copy("euroc");
-  fs::remove(walk() / "mav0/cam1/data/405000000.png");
-  ExpectFault("cam1/data.csv:6: data/walk/mav0/cam1/data/405000000.png: there is no such file");
+  fs::remove(walk() / "mav0/cam1/data/1700000000405000000.png");
+  ExpectFault("cam1/data.csv:6: data/walk/mav0/cam1/data/1700000000405000000.png: there is no such file");
 }
 
 TEST_F(DatasetCheck, ImuStampsThatRunBackwards) {
@@ -274,7 +275,7 @@ TEST_F(DatasetCheck, ImuStampsThatRunBackwards) {
     std::vector<std::string> lines = Lines(file);
     std::swap(lines[40], lines[41]);
     WriteLines(file, lines);
-    ExpectFault(file.filename().string() + ":42: time 0.156000000 s comes before that of the row above");
+    ExpectFault(file.filename().string() + ":42: time 1700000000.156000000 s comes before that of the row above");
   }
 }
 
@@ -310,7 +311,7 @@ TEST_F(DatasetCheck, BlurThatIsNotWhatThePosesImply) {
 TEST_F(DatasetCheck, WeightsThatDoNotAddUp) {
   Copy("tum");
   SetField(truth() / "subposes.csv", 7, 2, "0.5");
-  ExpectFault("subposes.csv: the weights of the frame at 0.105000000 s add up to 1.");
+  ExpectFault("subposes.csv: the weights of the frame at 1700000000.105000000 s add up to 1.");
 }
 
 TEST_F(DatasetCheck, HomographyOfAnotherPair) {
@@ -324,8 +325,8 @@ TEST_F(DatasetCheck, AllFaultsAreToldNotOnlyTheFirst) {
   fs::remove(Image(5));
   fs::remove(Image(9));
   SetField(walk() / "imu.csv", 12, 5, "inf");
-  SetField(truth() / "groundtruth.txt", 4, 2, "nan");
-  for (const char* text : {"rgb.txt:6:", "rgb.txt:10:", "imu.csv:12:", "groundtruth.txt:4:"}) ExpectFault(text);
+  SetField(truth() / "groundtruth.txt", 6, 2, "nan");
+  for (const char* text : {"rgb.txt:8:", "rgb.txt:12:", "imu.csv:12:", "groundtruth.txt:6:"}) ExpectFault(text);
 }
 
 TEST_F(DatasetCheck, FoldersOfOthersAreHeldToTheirLayoutAlone) {
@@ -334,8 +335,63 @@ TEST_F(DatasetCheck, FoldersOfOthersAreHeldToTheirLayoutAlone) {
   fs::rename(walk() / "mav0", out() / "mav0");
   fs::remove_all(walk());
   EXPECT_THAT(Faults(), IsEmpty());
-  fs::remove(out() / "mav0/cam0/data/405000000.png");
-  ExpectFault("data/mav0/cam0/data.csv:6: data/mav0/cam0/data/405000000.png: there is no such file");
+  fs::remove(out() / "mav0/cam0/data/1700000000405000000.png");
+  ExpectFault("data/mav0/cam0/data.csv:6: data/mav0/cam0/data/1700000000405000000.png: there is no such file");
+}
+
+TEST_F(DatasetCheck, TableWithoutTheLinesThatReadersSkip) {
+  Copy("tum");
+  std::vector<std::string> lines = Lines(walk() / "rgb.txt");
+  lines.erase(lines.begin(), lines.begin() + 2);
+  WriteLines(walk() / "rgb.txt", lines);
+  ExpectFault("data/walk/rgb.txt: has 1 lines of comment at its top; expected 3, which readers of this layout skip");
+  lines = Lines(walk() / "associations.txt");
+  lines.insert(lines.begin(), "# time image time depth");
+  WriteLines(walk() / "associations.txt", lines);
+  ExpectFault("associations.txt: begins with a comment");
+}
+
+/// A clock that begins at 0 gives names of growing length.
+TEST_F(DatasetCheck, NamesThatDoNotSortByTime) {
+  Calibration calibration;
+  calibration.camera = CameraModel::FromHorizontalFov(16, 12, 60);
+  calibration.frame_rate_hz = 5;
+  fs::create_directories(out());
+  DatasetWriter writer(DatasetFolders::In(out(), "walk"), calibration, {});
+  for (const int64_t stamp_ns : {9'900'000'000, 10'100'000'000}) {
+    Observation seen;
+    seen.stamp_ns = stamp_ns;
+    seen.image = {stamp_ns, cv::Mat::eye(12, 16, CV_8UC1) * (stamp_ns % 251)};
+    writer.Add(seen, {});
+  }
+  writer.Finish("finished");
+  ExpectFault("walk/rgb.txt:5: 10.100000000.png is sorted before 9.900000000.png, which is earlier");
+  ExpectFault("walk/rgb.txt:4: the clock begins at 9.900000000 s; expected an epoch of ten digits");
+}
+
+TEST_F(DatasetCheck, SettingsThatAreNotTheCalibrations) {
+  Copy("tum");
+  Replace(walk() / "settings/orbslam3.yaml", "Camera1.fx: 138.56", "Camera1.fx: 141.56");
+  ExpectFault("data/walk/settings/orbslam3.yaml:5: says \"Camera1.fx: 141.56");
+  fs::remove(walk() / "settings/dso_camera.txt");
+  ExpectFault("data/walk/settings/dso_camera.txt: there is no such file");
+  Copy("euroc");
+  std::vector<std::string> lines = Lines(walk() / "settings/euroc_times.txt");
+  lines.erase(lines.begin() + 4);
+  WriteLines(walk() / "settings/euroc_times.txt", lines);
+  ExpectFault("euroc_times.txt: has no row for the frame at 1700000000.405000000 s");
+}
+
+TEST_F(DatasetCheck, VslamlabTablesOfAnotherForm) {
+  Copy("vslamlab");
+  Replace(walk() / "calibration.yaml", "focal_length: [138.56", "focal_length: [141.56");
+  ExpectFault("data/walk/calibration.yaml:9: says \"    focal_length: [141.56");
+  fs::remove(walk() / "rgb_1/1700000000405000000.png");
+  ExpectFault("data/walk/rgb.csv:6: data/walk/rgb_1/1700000000405000000.png: there is no such file");
+  Replace(walk() / "rgb.csv", "path_rgb_1", "path_right");
+  ExpectFault("data/walk/rgb.csv:1: names no column \"path_rgb_1\"");
+  SetField(truth() / "groundtruth.csv", 4, 4, "0.9");
+  ExpectFault("groundtruth.csv:4: the pose: its quaternion has length");
 }
 
 TEST_F(DatasetCheck, AFolderThatIsNoneIsSaid) {
@@ -350,7 +406,7 @@ TEST_F(DatasetCheck, TheProgramListsFaultsAndExitsWithTwo) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("data: no fault found; 1 sequence, 20 frames, 100 images read"));
   EXPECT_EQ(result.err, "");
-  fs::remove(truth() / "sharp" / "0.405000000.png");
+  fs::remove(truth() / "sharp" / "1700000000.405000000.png");
   SetField(walk() / "times.txt", 5, 2, "11");
   result = RunProgram("validate data", temporary_.path());
   EXPECT_EQ(result.exit_code, 2);
@@ -358,7 +414,7 @@ TEST_F(DatasetCheck, TheProgramListsFaultsAndExitsWithTwo) {
   EXPECT_THAT(result.err, HasSubstr("data/walk/times.txt:5: the exposure is 11 ms"));
   result = RunProgram("validate data --json", temporary_.path());
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.out, HasSubstr("\"line\": 6"));
+  EXPECT_THAT(result.out, HasSubstr("\"line\": 8"));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <set>
 
+#include "algorithms/core/clock.h"
 #include "algorithms/core/errors.h"
 #include "algorithms/core/units.h"
 #include "sim/simulation.h"
@@ -68,7 +69,7 @@ void AddFrame(const SimulatedFrame& frame, double half_view_rad, double yaw_begi
     log.seen_deg.insert((int(std::floor((yaw + a) / kRadPerDeg)) + 720) % 360);
   }
   log.body_turn_rad = scan.body_turn_rad;
-  log.end_s = 1e-9 * double(frame.truth.stamp_ns);
+  log.end_s = SecondsIntoWalk(frame.truth.stamp_ns);
   if (log.begin_s == 0) log.begin_s = log.end_s;
 }
 
@@ -84,7 +85,7 @@ Walked Walk(const Robot& robot, const SimulationOptions& options, const std::set
   double yaw_begin = 0, asked_s = 0;
   bool scanned = false;
   while (const auto frame = simulation.Next({false, false, true})) {
-    const double time_s = 1e-9 * double(frame->truth.stamp_ns);
+    const double time_s = SecondsIntoWalk(frame->truth.stamp_ns);
     const Pose& X_WB = *frame->truth.X_WB;
     if (frame->observation.scan && !scanned) {
       walked.scans.emplace_back();
