@@ -10,6 +10,7 @@
 #include "scenarios/code/commands/commands.h"
 #include "scenarios/code/files/folders.h"
 #include "scenarios/code/files/versions.h"
+#include "scenarios/code/systems/sandbox.h"
 #include "sim/camera/egl_context.h"
 
 namespace gaitcam {
@@ -45,6 +46,8 @@ std::vector<Finding> Findings() {
     ReportHtml(ReportInput{});
     return std::string("Chart.js found");
   }));
+  findings.push_back({"sandbox", WhyNoSandbox().empty() ? "bubblewrap keeps other people's systems from the truth"
+                                                        : WhyNoSandbox() + "; other people's systems run without one"});
   findings.push_back(Examine("H.264 film", [] {
     const auto file = std::filesystem::temp_directory_path() / fmt::format("gaitcam-doctor-{}.mp4", getpid());
     VideoWriter writer(file);

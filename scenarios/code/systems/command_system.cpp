@@ -35,6 +35,7 @@ class CommandSystem::Dataset {
 
   DatasetWriter& writer() { return *writer_; }
   fs::path sensors() const { return folder_ / "dataset"; }
+  fs::path log() const { return folder_ / "log"; }  // not beside the truth: its name is to be seen by the program
   fs::path answers() const { return folder_ / "answers"; }
   fs::path output() const { return answers() / "estimate.txt"; }
   /// After the last frame: gives the folder its name.
@@ -157,13 +158,18 @@ std::vector<std::string> CommandSystem::Words() const {
 }
 
 std::vector<FrameEstimate> CommandSystem::Run() {
-  Subprocess program(Words(), SubprocessStreams{log_, -1, -1, dataset_->answers()});
-  const std::optional<Ending> ending = program.Wait(command_.time_limit_s);
-  const std::string said = LastLine(log_);
+  std::optional<Ending> ending;
+  {
+    Subprocess program(Words(), SubprocessStreams{dataset_->log(), -1, -1, dataset_->answers()});
+    ending = program.Wait(command_.time_limit_s);
+  }
+  std::error_code ignored;
+  fs::copy_file(dataset_->log(), log_, fs::copy_options::overwrite_existing, ignored);
+  const std::string said = LastLine(dataset_->log());
   if (!ending) {
     failure_ = fmt::format("did not end within {:g} s", command_.time_limit_s);
   } else if (!ending->ok()) {
-    failure_ = ending->ToText() + (said.empty() ? "" : ": " + said);
+    failure_ = EndingIn(*ending).ToText() + (said.empty() ? "" : ": " + said);
   } else {
     ReadAnswer();
   }

@@ -88,10 +88,19 @@ class ProcessSystem::Conversation {
   Conversation(const ProcessOptions& options, const Calibration& calibration, const fs::path& log)
       : frames_(folder_.path() / "frames", calibration), log_(log), to_(MakeStream()), from_(MakeStream()) {
     fs::create_directory(work());
-    program_.emplace(Words(options), SubprocessStreams{log, to_.second.number(), from_.second.number(), work()});
+    program_.emplace(Words(options),
+                     SubprocessStreams{PrivateLog(), to_.second.number(), from_.second.number(), work()});
     to_.second.Close();
     from_.second.Close();
   }
+
+  ~Conversation() {
+    program_.reset();
+    std::error_code ignored;
+    fs::copy_file(PrivateLog(), log_, fs::copy_options::overwrite_existing, ignored);
+  }
+  Conversation(const Conversation&) = delete;
+  Conversation& operator=(const Conversation&) = delete;
 
   SharedFrames& frames() { return frames_; }
 
@@ -110,6 +119,8 @@ class ProcessSystem::Conversation {
 
  private:
   fs::path work() const { return folder_.path() / "work"; }
+  /// Not beside the truth: the program can see its name.
+  fs::path PrivateLog() const { return folder_.path() / "log"; }
 
   std::vector<std::string> Words(const ProcessOptions& options) const {
     if (!WhyNoSandbox().empty()) return options.command;
@@ -160,8 +171,8 @@ class ProcessSystem::Conversation {
   std::string HowItEnded() {
     constexpr double kGrace_s = 2;
     const std::optional<Ending> ending = program_->Wait(kGrace_s);
-    const std::string said = LastLine(log_);
-    return (ending ? ending->ToText() : "closed its output") + (said.empty() ? "" : ": " + said);
+    const std::string said = LastLine(PrivateLog());
+    return (ending ? EndingIn(*ending).ToText() : "closed its output") + (said.empty() ? "" : ": " + said);
   }
 
   PrivateFolder folder_;

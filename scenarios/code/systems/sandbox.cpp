@@ -3,8 +3,6 @@
 #include <array>
 #include <cstdlib>
 
-#include "scenarios/code/systems/subprocess.h"
-
 namespace gaitcam {
 namespace fs = std::filesystem;
 namespace {
@@ -78,6 +76,12 @@ std::string TrySandbox() {
 const std::string& WhyNoSandbox() {
   static const std::string why = TrySandbox();
   return why;
+}
+
+Ending EndingIn(const Ending& ending) {
+  constexpr int kSignals = 128, kMaxSignal = 64;
+  const bool is_signal = WhyNoSandbox().empty() && ending.code > kSignals && ending.code <= kSignals + kMaxSignal;
+  return is_signal ? Ending{-1, ending.code - kSignals} : ending;
 }
 
 std::vector<std::string> Sandboxed(const std::vector<std::string>& command, const SandboxView& view) {

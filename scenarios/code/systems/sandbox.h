@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "scenarios/code/systems/subprocess.h"
+
 namespace gaitcam {
 
 struct SandboxView {
@@ -19,6 +21,9 @@ struct SandboxView {
 /// Why no sandbox can be made here, in a few words ("bubblewrap is not installed"); empty if one can.
 /// Found out by trying, once per process.
 const std::string& WhyNoSandbox();
+
+/// How a program in a sandbox ended, as it would have ended outside: bubblewrap says a signal by an exit code.
+Ending EndingIn(const Ending& ending);
 
 /// The words that run `command` in a sandbox: it sees /usr, /etc and the like read-only, an empty home and /tmp, the
 /// packages of the Python that it runs in, and `view`. It ends with us, and all that it started with it.

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "algorithms/core/errors.h"
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
 
@@ -148,6 +149,58 @@ TEST_F(CommandSystemTest, BadCommandsAreToldBeforeAnythingRuns) {
   refuse("{command: []}", "expected a program");
   refuse("{command: [sh, \"{dataset}\", \"{output}\"], format: json}", "system.format");
   refuse("{command: [sh, \"{dataset}\", \"{output}\"], ratio: 0.8}", "system.ratio: unknown key");
+}
+
+TEST(Vslamlab, ArgumentsAreAddedInTheProgramsOwnStyle) {
+  EXPECT_THAT(
+      AddVslamlabArguments({"./slam", "settings_yaml:mine.yaml", "mode:stereo"}, "/s", "/o", VslamlabMode::kMono),
+      testing::ElementsAre("./slam", "settings_yaml:mine.yaml", "mode:stereo", "sequence_path:/s",
+                           "calibration_yaml:/s/calibration.yaml", "rgb_csv:/s/rgb.csv", "exp_folder:/o",
+                           "exp_id:00000"));
+  EXPECT_THAT(AddVslamlabArguments({"python3", "slam.py"}, "/s", "/o", VslamlabMode::kMonoImu),
+              testing::IsSupersetOf({"--sequence_path", "/s", "--exp_id", "00000", "--mode", "mono-vi"}));
+}
+
+TEST(Vslamlab, KeyFramesAreReadAsTheyCome) {
+  const TemporaryFolder folder;
+  folder.Write("00000_KeyFrameTrajectory.csv",
+               "ts (ns),tx (m),ty (m),tz (m),qx,qy,qz,qw\n"
+               "1700000000300000000,3,0,0,0,0,0,1\n"
+               "1700000000100000000,1,0,0,0,0,0,1\n"
+               "1700000000100000000,9,0,0,0,0,0,1\n");
+  const Trajectory read = ReadKeyFrames(folder.path());
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[0].stamp_ns, 1700000000100000000);
+  EXPECT_EQ(read[0].pose.translation.x(), 1) << "of equal stamps the first";
+  EXPECT_EQ(read[1].stamp_ns, 1700000000300000000);
+  folder.Write("00000_KeyFrameTrajectory.csv", "1700000000.033333333 1 2 3 0 0 0 1\n");
+  EXPECT_EQ(ReadKeyFrames(folder.path())[0].stamp_ns, 1700000000033333333);
+  folder.Write("00000_KeyFrameTrajectory.csv", "1 2 3\n");
+  EXPECT_THROW(ReadKeyFrames(folder.path()), BadInput);
+  folder.Write("more/KeyFrameTrajectory.txt", "");
+  EXPECT_THROW(ReadKeyFrames(folder.path()), BadInput) << "which of the two?";
+}
+
+TEST_F(CommandSystemTest, ATrajectoryOfKeyFramesCoversTheirSpan) {
+  // Every third frame from the fourth to the nineteenth of 20: a span of 16 frames.
+  std::ofstream(File("slam.py")) << "import sys\n"
+                                    "words = dict(zip(sys.argv[1::2], sys.argv[2::2]))\n"
+                                    "assert words['--mode'] == 'mono', words\n"
+                                    "open(words['--calibration_yaml']).read()\n"
+                                    "rows = [row.split(',') for row in open(words['--rgb_csv'])][1:]\n"
+                                    "with open(words['--exp_folder'] + '/00000_KeyFrameTrajectory.csv', 'w') as out:\n"
+                                    "  for n in range(3, 19, 3):\n"
+                                    "    print(rows[n][0], n, n * n, 0, 0, 0, 0, 1, sep=',', file=out)\n";
+  std::ofstream(File("s.yaml")) << "duration_s: 2\n"
+                                   "path: {kind: circle, diameter_m: 4}\n"
+                                   "camera: {exposure_ms: 4, rate_hz: 10, width_px: 160, height_px: 120}\n"
+                                   "system: {command: [python3, slam.py], interface: vslamlab}\n"
+                                   "score: {min_pairs: 3}\nvideo: {enabled: false}\n";
+  const ProgramResult result = RunProgram("run s.yaml --out run", temporary_.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err << ReadText(File("run") / "system.log");
+  const nlohmann::json scores = Scores();
+  EXPECT_DOUBLE_EQ(scores["scores"]["coverage_ratio"], 16.0 / scores["run"]["frames"].get<double>());
+  EXPECT_THAT(scores.dump(), HasSubstr("poses of 6 key frames alone"));
 }
 
 #ifdef RGBD_ODOMETRY

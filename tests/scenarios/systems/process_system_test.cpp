@@ -86,7 +86,7 @@ TEST_F(ProcessSystemTest, FailuresAreItsOwnAndScored) {
   EXPECT_EQ(RunWith("  sys.exit('out of luck')\n").exit_code, 3);
   EXPECT_EQ(Failure(), "at frame 1 it exited with 1: out of luck");
   RunWith("  say({'status': 'tracking', 'pose': [n, 0, 0, 0, 0, 0, 1]}) if n < 4 else os.kill(os.getpid(), 11)\n");
-  EXPECT_THAT(Failure(), HasSubstr("at frame 4 it "));
+  EXPECT_THAT(Failure(), HasSubstr("at frame 4 it died of signal 11"));
   EXPECT_EQ(RunWith("  print('hello', flush=True)\n").exit_code, 3);
   EXPECT_EQ(Failure(), "at frame 1 it answered no JSON: hello");
   EXPECT_EQ(RunWith("  time.sleep(100)\n", ", frame_limit_s: 0.3").exit_code, 3);
