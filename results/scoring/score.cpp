@@ -90,8 +90,8 @@ Scores ScoreEstimate(const Estimate& estimate, const Trajectory& truth, const st
   s.timing = ScoreTiming(estimate);
   AddRemarks(coverage, s);
   if (estimate.keyframes_only) {
-    s.remarks.push_back(fmt::format("poses of {} key frames alone: coverage counts the frames between them",
-                                    coverage.tracked));
+    s.remarks.push_back(
+        fmt::format("poses of {} key frames alone: coverage counts the frames between them", coverage.tracked));
   }
   return s;
 }

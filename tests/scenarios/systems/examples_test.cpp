@@ -87,6 +87,16 @@ TEST_F(ExamplesTest, AreGatedAndStudiedLikeOurs) {
   EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 22) << "a header and a row per run";
 }
 
+TEST_F(ExamplesTest, AreListedWithWhatIsKnownOfThem) {
+  const ProgramResult plugin = RunProgram(std::string("list systems ") + GYRO_PLUGIN, folder());
+  EXPECT_EQ(plugin.exit_code, 0) << plugin.err;
+  EXPECT_THAT(plugin.out, HasSubstr("gyroscope and a constant speed"));
+  EXPECT_THAT(plugin.out, HasSubstr("needs imu"));
+  EXPECT_THAT(plugin.out, HasSubstr("speed_m_s = 0.1 m/s (a number from 0 to 10): along the optical axis"));
+  const ProgramResult process = RunProgram("list systems '{process: [python3, x.py], needs: [depth]}'", folder());
+  EXPECT_THAT(process.out, HasSubstr("needs depth"));
+}
+
 // An edited script is another program: what its older version answered is not taken for its answer.
 TEST_F(ExamplesTest, AnEditedScriptIsRunAgain) {
   WriteScenario("sift_vo");
