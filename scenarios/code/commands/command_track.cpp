@@ -50,6 +50,9 @@ int TrackCommand(const TrackArguments& arguments, const CommonOptions& common) {
   DatasetReader reader(sensors);
   if (const auto lack = LackInDataset(InfoOf(choice), reader.calibration(), sensors)) throw BadInput(*lack);
   const fs::path out = arguments.out.empty() ? fs::path("estimate-" + choice.name + ".txt") : arguments.out;
+  if (const std::string sandbox = SandboxOf(choice); sandbox.starts_with("none")) {
+    fmt::print(stderr, "gaitcam: sandbox of {}: {}; it could read the truth\n", choice.name, sandbox);
+  }
   const InterruptGuard guard;
   TrackingThread tracker(
       MakeSystem(choice, {reader.calibration(), arguments.seed, choice.settings}, fs::absolute(out).parent_path()));

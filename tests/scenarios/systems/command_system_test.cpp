@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "algorithms/core/errors.h"
+#include "scenarios/code/systems/sandbox.h"
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
 
@@ -89,6 +90,22 @@ TEST_F(CommandSystemTest, SeesADatasetWithoutAnyTruthAndItsWordsAreKept) {
   EXPECT_THAT(said, testing::Not(HasSubstr("truth")));
   EXPECT_EQ(Scores()["scores"]["coverage_ratio"], 1);
   EXPECT_FALSE(Scores()["run"].contains("system_failed"));
+}
+
+TEST_F(CommandSystemTest, ASearchFindsNoTruth) {
+  if (!WhyNoSandbox().empty()) GTEST_SKIP() << WhyNoSandbox();
+  fs::create_directories(File("earlier"));
+  std::ofstream(File("earlier/truth.txt")) << "0 0 0 0 0 0 0 1\n";  // an earlier result, and a recording's truth
+  std::ofstream(File("groundtruth.txt")) << "0 0 0 0 0 0 0 1\n";
+  RunWith(
+      "echo begin; find / \\( -path /proc -o -path /sys -o -path /usr \\) -prune -o \\( -name '*truth*' -o -name "
+      "subposes.csv \\) -print; cat /proc/*/cmdline | tr '\\0' ' '; echo end; exit 1");
+  const std::string said = ReadText(File("run") / "system.log");
+  EXPECT_THAT(said, HasSubstr("begin\n"));
+  EXPECT_THAT(said, HasSubstr("end\n"));
+  EXPECT_THAT(said, testing::Not(HasSubstr("truth\n")));
+  EXPECT_THAT(said, testing::Not(HasSubstr("truth.txt")));
+  EXPECT_THAT(said, testing::Not(HasSubstr("run s.yaml"))) << "our own command line";
 }
 
 TEST_F(CommandSystemTest, ACrashIsAScoredFailure) {
