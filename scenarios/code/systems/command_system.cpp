@@ -12,6 +12,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/dataset_writer.h"
 #include "algorithms/io/trajectory_file.h"
+#include "scenarios/code/systems/private_folder.h"
 #include "scenarios/code/systems/sandbox.h"
 #include "scenarios/code/systems/subprocess.h"
 
@@ -21,39 +22,29 @@ namespace fs = std::filesystem;
 /// The folder that the program is given, and the one where its output is expected; both removed at the end.
 class CommandSystem::Dataset {
  public:
-  Dataset(DatasetFormat format, const Calibration& calibration) : format_(format), folder_(MakeFolder()) {
+  Dataset(DatasetFormat format, const Calibration& calibration) {
     DatasetWriterOptions options;
     options.format = format;
-    writer_.emplace(DatasetFolders{sensors(), folder_ / "none"}, calibration, options);
+    writer_.emplace(DatasetFolders{sensors(), folder_.path() / "none"}, calibration, options);
     fs::create_directory(answers());
-  }
-  ~Dataset() {
-    writer_.reset();
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
   }
 
   DatasetWriter& writer() { return *writer_; }
-  fs::path sensors() const { return folder_ / "dataset"; }
-  fs::path log() const { return folder_ / "log"; }  // not beside the truth: its name is to be seen by the program
-  fs::path answers() const { return folder_ / "answers"; }
+  fs::path sensors() const { return folder_.path() / "dataset"; }
+  fs::path log() const {
+    return folder_.path() / "log";
+  }  // not beside the truth: its name is to be seen by the program
+  fs::path answers() const { return folder_.path() / "answers"; }
   fs::path output() const { return answers() / "estimate.txt"; }
   /// After the last frame: gives the folder its name.
   void Finish() {
     writer_->Finish("finished");
     std::error_code ignored;
-    fs::remove_all(folder_ / "none", ignored);
+    fs::remove_all(folder_.path() / "none", ignored);
   }
 
  private:
-  static fs::path MakeFolder() {
-    std::string name = (fs::temp_directory_path() / "gaitcam-system-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw MissingResource("cannot make a folder " + name);
-    return name;
-  }
-
-  DatasetFormat format_;
-  fs::path folder_;
+  PrivateFolder folder_;
   std::optional<DatasetWriter> writer_;
 };
 

@@ -8,12 +8,12 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <utility>
 
 #include "algorithms/core/errors.h"
 #include "scenarios/code/systems/frame_protocol.h"
+#include "scenarios/code/systems/private_folder.h"
 #include "scenarios/code/systems/sandbox.h"
 #include "scenarios/code/systems/subprocess.h"
 
@@ -30,29 +30,6 @@ class Breakdown : public std::exception {
 
  private:
   std::string what_;
-};
-
-/// A folder in memory, for us and one program; removed with the object.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    const fs::path memory = "/dev/shm";
-    std::error_code ignored;
-    const fs::path parent = fs::is_directory(memory, ignored) ? memory : fs::temp_directory_path();
-    std::string name = (parent / "gaitcam-system-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw MissingResource("cannot make a folder " + name);
-    path_ = name;
-  }
-  ~PrivateFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 /// An open file descriptor.
@@ -175,7 +152,7 @@ class ProcessSystem::Conversation {
     return (ending ? EndingIn(*ending).ToText() : "closed its output") + (said.empty() ? "" : ": " + said);
   }
 
-  PrivateFolder folder_;
+  PrivateFolder folder_ = PrivateFolder::InMemory();
   SharedFrames frames_;
   fs::path log_;
   std::pair<Descriptor, Descriptor> to_, from_;
@@ -184,7 +161,7 @@ class ProcessSystem::Conversation {
 };
 
 ProcessSystem::ProcessSystem(const ProcessOptions& options, const SystemSetup& setup, const fs::path& log)
-    : options_(options), log_(log) {
+    : options_(options) {
   conversation_ = std::make_unique<Conversation>(options, setup.calibration, log);
   std::string refusal;
   try {

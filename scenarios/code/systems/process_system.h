@@ -40,7 +40,6 @@ class ProcessSystem : public System {
   void Fail(const std::string& when, const std::string& what);
 
   ProcessOptions options_;
-  std::filesystem::path log_;
   std::unique_ptr<Conversation> conversation_;  ///< None once it has failed.
   std::string failure_;
   BodyCommand command_;

@@ -15,6 +15,7 @@
 
 #include "algorithms/core/errors.h"
 #include "scenarios/code/systems/frame_protocol.h"
+#include "scenarios/code/systems/private_folder.h"
 #include "scenarios/code/systems/sandbox.h"
 #include "scenarios/code/systems/subprocess.h"
 
@@ -138,18 +139,15 @@ SystemInfo InfoOf(const Json& json) {
 }
 
 SystemInfo AskOnce(const fs::path& library, const std::vector<fs::path>& readable) {
-  std::string name = (fs::temp_directory_path() / "gaitcam-plugin-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw MissingResource("cannot make a folder " + name);
-  const fs::path folder = name, log = folder / "log";
+  const PrivateFolder folder;
+  const fs::path log = folder.path() / "log";
   std::vector<std::string> words = WordsToServe(library);
   words.emplace_back("--info");
-  if (WhyNoSandbox().empty()) words = Sandboxed(words, {readable, {folder}, folder});
+  if (WhyNoSandbox().empty()) words = Sandboxed(words, {readable, {folder.path()}, folder.path()});
   Subprocess program(words, log);
   constexpr double kLimit_s = 60;
   const std::optional<Ending> ending = program.Wait(kLimit_s);
   const std::string said = LastLine(log);
-  std::error_code ignored;
-  fs::remove_all(folder, ignored);
   if (!ending) throw BadInput(library.string() + ": did not load within a minute");
   if (!ending->ok()) throw BadInput(said.empty() ? library.string() + ": " + ending->ToText() : said);
   try {

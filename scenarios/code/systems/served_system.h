@@ -22,7 +22,7 @@ const SystemPlugin& LoadPlugin(const std::filesystem::path& library);
 int ServeSystem(const std::function<std::unique_ptr<System>(const SystemSetup&)>& make, bool acts);
 
 /// What is known of a library's system, asked of a process that loads it; asked once for each state of the file.
-/// @param program that serves: `program serve --plugin LIBRARY --info` prints it.
+/// @param readable what that process may see of the user's files: the library and what it depends on
 /// @throws BadInput with its words if it cannot be loaded.
 SystemInfo AskPluginInfo(const std::filesystem::path& library, const std::vector<std::filesystem::path>& readable);
 /// What that process prints.

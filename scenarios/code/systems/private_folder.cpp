@@ -1,0 +1,31 @@
+#include "scenarios/code/systems/private_folder.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace fs = std::filesystem;
+
+PrivateFolder::PrivateFolder(const fs::path& parent) {
+  std::string name = (parent / "gaitcam-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr)
+    throw MissingResource("cannot make a folder " + name + ": " + std::strerror(errno));
+  path_ = name;
+}
+
+PrivateFolder PrivateFolder::InMemory() {
+  const fs::path memory = "/dev/shm";
+  std::error_code ignored;
+  return PrivateFolder(fs::is_directory(memory, ignored) ? memory : fs::temp_directory_path());
+}
+
+PrivateFolder::~PrivateFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+}  // namespace gaitcam
