@@ -106,9 +106,9 @@ Simulation::Simulation(const Robot& robot, const Scene& scene, const SimulationO
       world_(robot, scene, options.physics, rig_.WorldCameras(), seed),
       controller_(MakeController(robot, world_.nominal_model(), options, StartPose(scene.start, options.start))),
       sensors_(world_, options.sensors, seed),
-      renderer_(world_.model(), rig_.MakeRendererOptions()),
+      renderer_(world_.model(), rig_.MakeRendererOptions(), world_.pictures()),
       calibration_(rig_.MakeCalibration()),
-      middle_(mj_makeData(world_.model())),
+      middle_(MakePoseData(world_.model())),
       head_pan_(robot) {
   if (robot.kind == Robot::Kind::kHumanoid) {
     world_.ScaleServos(options.gait.servo_stiffness, options.gait.neck_stiffness);

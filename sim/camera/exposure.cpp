@@ -67,7 +67,7 @@ ExposingCamera::ExposingCamera(const mjModel* model, const std::string& camera_n
       lens_(camera),
       options_(options),
       sensor_(options.exposure, options.grey),
-      data_(mj_makeData(model)) {
+      data_(MakePoseData(model)) {
   GAITCAM_ASSERT(options.antialias >= 1 && data_ != nullptr);
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <opencv2/imgproc.hpp>
 #include <type_traits>
 
 #include "algorithms/core/errors.h"
@@ -45,6 +46,11 @@ float DistanceTo(const mjvGeom& geom, const Eigen::Vector3d& point) {
 struct Renderer::Gl {
   PFNGLREADPIXELSPROC ReadPixels = LoadGlFunction<PFNGLREADPIXELSPROC>("glReadPixels");
   PFNGLPIXELSTOREIPROC PixelStorei = LoadGlFunction<PFNGLPIXELSTOREIPROC>("glPixelStorei");
+  PFNGLBINDRENDERBUFFERPROC BindRenderbuffer = LoadGlFunction<PFNGLBINDRENDERBUFFERPROC>("glBindRenderbuffer");
+  PFNGLGETRENDERBUFFERPARAMETERIVPROC GetRenderbufferParameteriv =
+      LoadGlFunction<PFNGLGETRENDERBUFFERPARAMETERIVPROC>("glGetRenderbufferParameteriv");
+  PFNGLRENDERBUFFERSTORAGEPROC RenderbufferStorage =
+      LoadGlFunction<PFNGLRENDERBUFFERSTORAGEPROC>("glRenderbufferStorage");
 };
 
 /// The four side planes of a picture's pyramid and the near plane, in world coordinates: n.p + d >= 0 is inside.
@@ -85,7 +91,8 @@ struct Renderer::Frustum {
   }
 };
 
-Renderer::Renderer(const mjModel* model, const RendererOptions& options) : model_(model), options_(options) {
+Renderer::Renderer(const mjModel* model, const RendererOptions& options, const std::vector<TexturePicture>& pictures)
+    : model_(model), options_(options) {
   GAITCAM_ASSERT(model != nullptr);
   if (eglGetCurrentContext() == EGL_NO_CONTEXT) throw MissingResource("a renderer needs an EglContext on its thread");
   constexpr int kMaxTextures = int(std::extent_v<decltype(mjrContext::texture)>);
@@ -105,6 +112,7 @@ Renderer::Renderer(const mjModel* model, const RendererOptions& options) : model
   }
   mjr_defaultContext(&context_);
   MakeContext(640, 480);
+  UploadPictures(model, context_, pictures);
 }
 
 Renderer::~Renderer() {
@@ -113,15 +121,29 @@ Renderer::~Renderer() {
 }
 
 void Renderer::MakeContext(int width_px, int height_px) {
-  mjr_freeContext(&context_);
-  mjr_defaultContext(&context_);
+  if (context_.offFBO != 0) return ResizeBuffers(width_px, height_px);
   mjModel sized = *model_;  // MuJoCo reads the buffer's size and samples from the model; only this shallow copy changes
   sized.vis.global.offwidth = width_px;
   sized.vis.global.offheight = height_px;
   sized.vis.quality.offsamples = 0;
+  if (!options_.shadows) sized.vis.quality.shadowsize = 0;
   mjr_makeContext(&sized, &context_, mjFONTSCALE_50);
   mjr_setBuffer(mjFB_OFFSCREEN, &context_);
   if (context_.currentBuffer != mjFB_OFFSCREEN) throw MissingResource("the OpenGL driver gives no off-screen buffer");
+}
+
+/// MuJoCo would make the whole context anew, with all textures and meshes.
+void Renderer::ResizeBuffers(int width_px, int height_px) {
+  GAITCAM_ASSERT(context_.offSamples == 0);
+  for (const unsigned buffer : {context_.offColor, context_.offDepthStencil}) {
+    GLint format = 0;
+    gl_->BindRenderbuffer(GL_RENDERBUFFER, buffer);
+    gl_->GetRenderbufferParameteriv(GL_RENDERBUFFER, GL_RENDERBUFFER_INTERNAL_FORMAT, &format);
+    gl_->RenderbufferStorage(GL_RENDERBUFFER, GLenum(format), width_px, height_px);
+  }
+  context_.offWidth = width_px;
+  context_.offHeight = height_px;
+  if (mjr_getError() != 0) throw MissingResource("the OpenGL driver gives no off-screen buffer of that size");
 }
 
 void Renderer::Update(mjData& data) {
@@ -267,6 +289,24 @@ Pose LookAt(const Eigen::Vector3d& point, double distance_m, double azimuth_rad,
   Eigen::Matrix3d R;
   R << right, forward.cross(right), forward;
   return {R, point - distance_m * forward};
+}
+
+void UploadPictures(const mjModel* model, const mjrContext& context, const std::vector<TexturePicture>& pictures) {
+  for (const TexturePicture& picture : pictures) {
+    const int id = mj_name2id(model, mjOBJ_TEXTURE, picture.texture.c_str());
+    GAITCAM_ASSERT(id >= 0 && id < model->ntex);
+    cv::Mat rgb;
+    cv::cvtColor(picture.make(), rgb, cv::COLOR_BGR2RGB);
+    GAITCAM_ASSERT(rgb.type() == CV_8UC3 && rgb.isContinuous());
+    // MuJoCo takes pixels from a model; in this shallow copy they are the picture's, at the beginning of the array.
+    mjModel pictured = *model;
+    std::vector<int> address(size_t(model->ntex), 0), width(address.size(), rgb.cols), height(address.size(), rgb.rows);
+    pictured.tex_rgb = rgb.data;
+    pictured.tex_adr = address.data();
+    pictured.tex_width = width.data();
+    pictured.tex_height = height.data();
+    mjr_uploadTexture(&pictured, &context, id);
+  }
 }
 
 Pose CameraPose(const mjData& data, int camera_id) {

@@ -18,6 +18,7 @@
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/pose.h"
+#include "sim/world/world.h"
 
 namespace gaitcam {
 
@@ -32,7 +33,9 @@ class Renderer {
  public:
   /// @throws MissingResource if OpenGL lacks frame buffers; BadInput if the model has more textures than MuJoCo can
   /// draw.
-  explicit Renderer(const mjModel* model, const RendererOptions& options = {});
+  /// @param pictures of the model's textures: made, handed to OpenGL one by one, and forgotten.
+  explicit Renderer(const mjModel* model, const RendererOptions& options = {},
+                    const std::vector<TexturePicture>& pictures = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -67,7 +70,9 @@ class Renderer {
   struct Gl;
   struct Frustum;
 
+  /// The first time; then makes another size of buffers for the one that is there.
   void MakeContext(int width_px, int height_px);
+  void ResizeBuffers(int width_px, int height_px);
   void SetCamera(const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px);
   void SelectVisible(const Frustum& frustum, const Eigen::Vector3d& eye);
 
@@ -83,6 +88,9 @@ class Renderer {
   bool follows_camera_ = false;               ///< An infinite plane is centred anew under each camera.
   mjrRect viewport_{0, 0, 0, 0};
 };
+
+/// Puts pictures in the place of the pixels that the model's textures have. @pre the context is current.
+void UploadPictures(const mjModel* model, const mjrContext& context, const std::vector<TexturePicture>& pictures);
 
 /// Pose of a camera of the model: optical frame, x right, y down, z forward.
 Pose CameraPose(const mjData& data, int camera_id);

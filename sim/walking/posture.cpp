@@ -4,7 +4,7 @@
 
 namespace gaitcam {
 
-MassModel::MassModel(const Robot& robot, const mjModel* nominal) : model_(nominal), data_(mj_makeData(nominal)) {
+MassModel::MassModel(const Robot& robot, const mjModel* nominal) : model_(nominal), data_(MakePoseData(nominal)) {
   for (int j = 0; j < model_->njnt; ++j) {
     if (model_->jnt_type[j] != mjJNT_FREE) continue;
     root_body_ = model_->jnt_bodyid[j];

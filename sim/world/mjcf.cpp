@@ -191,14 +191,8 @@ class MjcfWriter {
     if (written_textures_.size() > 99) {
       throw BadInput(scene_.file.string() + ": more than 99 textures; MuJoCo cannot draw so many");
     }
-    const cv::Mat& picture = scene_.textures[texture].bgr;
-    bundle_.pictures.emplace_back(name, picture);
-    Add(assets_, "texture",
-        {{"name", name},
-         {"type", "2d"},
-         {"builtin", "flat"},
-         {"width", std::to_string(picture.cols)},
-         {"height", std::to_string(picture.rows)}});
+    bundle_.pictures.push_back({name, scene_.textures[texture].make});
+    Add(assets_, "texture", {{"name", name}, {"type", "2d"}, {"builtin", "flat"}, {"width", "1"}, {"height", "1"}});
     Add(assets_, "material",
         {{"name", name}, {"texture", name}, {"specular", "0"}, {"shininess", "0"}, {"reflectance", "0"}});
     return name;
@@ -325,7 +319,7 @@ class MjcfWriter {
 
   /// The cloth's picture is a light grey that the colour is multiplied with.
   Eigen::Vector3d ClothColor(const Eigen::Vector3d& rgb) const {
-    const cv::Scalar mean = cv::mean(scene_.textures[scene_.cloth_texture].bgr) / 255;
+    const cv::Scalar mean = cv::mean(scene_.textures[scene_.cloth_texture].Bgr()) / 255;
     return (rgb.array() / Eigen::Array3d(mean[2], mean[1], mean[0]).max(0.1)).min(1.0);
   }
 

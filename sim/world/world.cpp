@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
-#include <opencv2/imgproc.hpp>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
@@ -46,15 +45,6 @@ int Id(const mjModel* model, mjtObj kind, const std::string& name) {
 /// Whether a shape belongs to the scene: to the world, or to a body that is fixed to it.
 bool IsOfScene(const mjModel* model, int geom) { return model->body_weldid[model->geom_bodyid[geom]] == 0; }
 
-/// Row 0 of a texture is the top row of its picture, as when MuJoCo reads a PNG.
-void CopyPicture(const cv::Mat& bgr, const std::string& texture, mjModel* model) {
-  const int id = Id(model, mjOBJ_TEXTURE, texture);
-  GAITCAM_ASSERT(bgr.type() == CV_8UC3 && bgr.cols == model->tex_width[id] && bgr.rows == model->tex_height[id]);
-  cv::Mat rgb(bgr.size(), CV_8UC3, model->tex_rgb + model->tex_adr[id]);
-  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
-  GAITCAM_ASSERT(rgb.data == model->tex_rgb + model->tex_adr[id]);
-}
-
 }  // namespace
 
 MjModelPtr CompileMjcf(const MjcfBundle& bundle, const std::string& name) {
@@ -70,8 +60,13 @@ MjModelPtr CompileMjcf(const MjcfBundle& bundle, const std::string& name) {
     std::replace(words.begin(), words.end(), '\n', ' ');
     throw BadInput(name + ": MuJoCo refuses the model: " + words);
   }
-  for (const auto& [texture, picture] : bundle.pictures) CopyPicture(picture, texture, model.get());
   return model;
+}
+
+MjDataPtr MakePoseData(const mjModel* model) {
+  mjModel without_contacts = *model;  // MuJoCo reads the sizes; only this shallow copy changes
+  without_contacts.njmax = without_contacts.nconmax = 0;
+  return MjDataPtr(mj_makeData(&without_contacts));
 }
 
 World::World(const Robot& robot, const Scene& scene, const PhysicsOptions& physics,
@@ -84,7 +79,9 @@ World::World(const Robot& robot, const Scene& scene, const PhysicsOptions& physi
     throw BadOption(fmt::format("physics.control_period_ms = {}: expected a whole multiple of physics.timestep_ms = {}",
                                 physics.control_period_ms, physics.timestep_ms));
   }
-  nominal_ = CompileMjcf(BuildMjcf(robot, scene, physics, cameras), robot.urdf_file.string());
+  MjcfBundle bundle = BuildMjcf(robot, scene, physics, cameras);
+  nominal_ = CompileMjcf(bundle, robot.urdf_file.string());
+  pictures_ = std::move(bundle.pictures);
   model_.reset(mj_copyModel(nullptr, nominal_.get()));
   data_.reset(mj_makeData(model_.get()));
   people_ = std::make_shared<std::vector<PersonWalk>>(scene.people.begin(), scene.people.end());

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
@@ -81,13 +82,18 @@ class MotionRecord {
 /// Puts people where they are at an instant; their bodies move with the next kinematics.
 void PosePeople(const mjModel* model, const std::vector<PersonWalk>& people, int64_t stamp_ns, mjData* data);
 
-/// MJCF of a robot in a scene, with the pictures and meshes that it refers to.
+/// What a texture of a model shows. Physics needs no pictures and drawing needs them once, to hand them to OpenGL: a
+/// compiled model has a single pixel in the place of each.
+struct TexturePicture {
+  std::string texture;
+  std::function<cv::Mat()> make;  ///< CV_8UC3 (BGR), row 0 on top.
+};
+
+/// MJCF of a robot in a scene, with the meshes that it refers to, and the pictures of its textures.
 struct MjcfBundle {
   std::string xml;
   std::vector<std::pair<std::string, std::vector<unsigned char>>> files;  ///< Lower-case names without folders.
-  /// Pictures by the name of their texture, CV_8UC3 (BGR). The XML declares each texture's size; pixels are copied into
-  /// the compiled model, without encoding and decoding a PNG.
-  std::vector<std::pair<std::string, cv::Mat>> pictures;
+  std::vector<TexturePicture> pictures;
 };
 
 /// One camera to be put on the robot: extrinsics relative to the robot's camera mount.
@@ -106,8 +112,12 @@ struct WorldCamera {
 MjcfBundle BuildMjcf(const Robot& robot, const Scene& scene, const PhysicsOptions& physics,
                      const std::vector<WorldCamera>& cameras);
 
-/// @throws BadInput if MuJoCo refuses the model, with its own words.
+/// Without the pictures. @throws BadInput if MuJoCo refuses the model, with its own words.
 MjModelPtr CompileMjcf(const MjcfBundle& bundle, const std::string& name);
+
+/// State for kinematics alone: positions, the centre of mass, cameras, lights, gravity's forces. Without the room for
+/// contacts, which in mj_makeData's is nearly all of it.
+MjDataPtr MakePoseData(const mjModel* model);
 
 /// Physics, and what is true of it.
 ///
@@ -123,6 +133,8 @@ class World {
   const mjModel* model() const { return model_.get(); }
   /// The unperturbed model: what a controller may know of the robot.
   const mjModel* nominal_model() const { return nominal_.get(); }
+  /// Of the model's textures, for a Renderer.
+  const std::vector<TexturePicture>& pictures() const { return pictures_; }
   mjData* data() { return data_.get(); }
   const mjData* data() const { return data_.get(); }
 
@@ -163,6 +175,7 @@ class World {
 
   Robot robot_;
   MjModelPtr model_, nominal_;
+  std::vector<TexturePicture> pictures_;
   MjDataPtr data_;
   int64_t timestep_ns_ = 0, control_period_ns_ = 0, step_count_ = 0;
   double standing_height_ = 0;

@@ -30,7 +30,7 @@ class Lab {
         robot_(ReadRobot("khr1hv", GAITCAM_SOURCE_DIR "/models")),
         place_(ReadScene("lab", GAITCAM_SOURCE_DIR "/models")),
         world_(robot_, place_, PhysicsOptions(), rig_.WorldCameras(), 1),
-        renderer_(world_.model(), rig_.MakeRendererOptions()) {
+        renderer_(world_.model(), rig_.MakeRendererOptions(), world_.pictures()) {
     const Pose start(RotZ(place_.start.z()), Eigen::Vector3d(place_.start.x(), place_.start.y(), 0));
     const auto walker =
         MakeWalker(robot_, world_.nominal_model(), robot_.gaits.at("normal"), PathOptions(), PhysicsOptions(), start);
@@ -57,7 +57,7 @@ class Lab {
 /// MuJoCo's own loop with the same effects switched off.
 class BareLoop {
  public:
-  BareLoop(mjModel* model, int width_px, int height_px)
+  BareLoop(mjModel* model, const std::vector<TexturePicture>& pictures, int width_px, int height_px)
       : model_(model), view_{0, 0, width_px, height_px}, rgb_(size_t(3 * width_px * height_px)) {
     mjv_defaultOption(&option_);
     mjv_defaultScene(&scene_);
@@ -71,6 +71,7 @@ class BareLoop {
     model->vis.quality.offsamples = 0;
     mjr_defaultContext(&context_);
     mjr_makeContext(model, &context_, mjFONTSCALE_50);
+    UploadPictures(model, context_, pictures);
     mjr_setBuffer(mjFB_OFFSCREEN, &context_);
   }
   ~BareLoop() {
@@ -112,7 +113,7 @@ void BlurredFrame(benchmark::State& state, bool with_truth) {
   state.SetLabel(gl.renderer());
   const CameraOptions camera = Camera(int(state.range(0)), int(state.range(1)));
   Lab lab(camera);
-  BareLoop bare(const_cast<mjModel*>(lab.world().model()), camera.width_px, camera.height_px);
+  BareLoop bare(const_cast<mjModel*>(lab.world().model()), lab.world().pictures(), camera.width_px, camera.height_px);
   TruthOptions truth;
   truth.sharp = truth.depth = truth.blur = with_truth;
   lab.ExposeOnce(truth);

@@ -31,7 +31,7 @@ double Wrapped(double u, int size) { return u - size * std::floor(u / size); }
 cv::Mat BareFloor(const Scene& scene, double pixels_per_m) {
   GAITCAM_ASSERT(scene.floor_texture >= 0 && size_t(scene.floor_texture) < scene.textures.size());
   const Eigen::Vector2d wanted = scene.floor_texture_size_m * pixels_per_m;
-  const cv::Mat repeat = Coarsened(scene.textures[scene.floor_texture].bgr, wanted);
+  const cv::Mat repeat = Coarsened(scene.textures[scene.floor_texture].Bgr(), wanted);
   const Eigen::Vector2d extent = scene.floor_max - scene.floor_min;
   const cv::Size size(int(std::lround(extent.x() * pixels_per_m)), int(std::lround(extent.y() * pixels_per_m)));
   const double scale_x = repeat.cols / wanted.x(), scale_y = repeat.rows / wanted.y();
@@ -86,7 +86,7 @@ DrawnFace Draw(const Scene& scene, const SceneBox& box, const LyingFace& face, c
                double pixels_per_m) {
   const Eigen::Vector2d repeat_m = box.texture_size_m.isZero() ? face.size_m : box.texture_size_m;
   cv::Mat picture(1, 1, CV_8UC3, cv::Scalar(box.rgb.z() * 255, box.rgb.y() * 255, box.rgb.x() * 255));
-  if (box.texture >= 0) picture = Coarsened(scene.textures[size_t(box.texture)].bgr, repeat_m * pixels_per_m);
+  if (box.texture >= 0) picture = Coarsened(scene.textures[size_t(box.texture)].Bgr(), repeat_m * pixels_per_m);
   DrawnFace drawn{{}, cv::Mat(area.size(), CV_32FC1)};
   cv::Mat map_x(area.size(), CV_32FC1), map_y(area.size(), CV_32FC1);
   for (int v = 0; v < area.height; ++v) {

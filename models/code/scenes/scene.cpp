@@ -31,6 +31,10 @@ Scene ReadScene(const std::string& name_or_path, const std::filesystem::path& mo
   return BuildScene(file, root);
 }
 
+SceneTexture TextureOf(const std::string& name, const cv::Mat& bgr) {
+  return {name, bgr.size(), [bgr] { return bgr; }};
+}
+
 std::vector<std::string> ListScenes(const std::filesystem::path& models_folder) {
   std::vector<std::string> names;
   std::error_code missing;  // no folder: no scenes
@@ -53,7 +57,7 @@ void AddPeople(const std::vector<PersonOptions>& people, Scene& scene) {
     scene.cloth_texture = int(scene.textures.size());
     cloth = CompleteTexture(cloth);
     scene.cloth_size_m = cloth.size_m;
-    scene.textures.push_back({"cloth", MakeTexture(cloth)});
+    scene.textures.push_back({"cloth", TextureSize(cloth), [cloth] { return MakeTexture(cloth); }});
   }
   scene.people.insert(scene.people.end(), people.begin(), people.end());
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -31,10 +32,19 @@ struct SceneBox {
 };
 
 /// One texture image; what it shows has a real size, so that repeats and scales are metric.
+///
+/// A scene's pictures take tens of megabytes and most of the time that reading it would take, and few who have a scene
+/// look at them: they are made when asked for, the same each time, and not kept.
 struct SceneTexture {
   std::string name;
-  cv::Mat bgr;  ///< CV_8UC3, display (sRGB) values, row 0 on top.
+  cv::Size size_px;
+  std::function<cv::Mat()> make;  ///< CV_8UC3 (BGR), display (sRGB) values, row 0 on top.
+
+  cv::Mat Bgr() const { return make(); }
 };
+
+/// A texture whose picture is there already.
+SceneTexture TextureOf(const std::string& name, const cv::Mat& bgr);
 
 struct SceneLight {
   Eigen::Vector3d position{0, 0, 2.5};
@@ -68,7 +78,7 @@ struct Scene {
   Eigen::Vector3d start{0, 0, 0};  ///< Where robots start unless the scenario says otherwise: x, y, yaw.
 };
 
-/// Reads a shipped scene by name, or any scene by path. Textures are generated here, from the scene's own seed.
+/// Reads a shipped scene by name, or any scene by path. Textures follow from the scene's own seed.
 /// @throws BadInput naming file, line, key and what is expected.
 Scene ReadScene(const std::string& name_or_path, const std::filesystem::path& models_folder);
 

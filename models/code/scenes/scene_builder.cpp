@@ -113,10 +113,9 @@ int SceneBuilder::AddTexture(const TextureOptions& wanted, const OptionValue& no
     }
     texture_keys_.emplace_back(key, options.size_m);
     options.seed += 1000003 * file_.seed;  // no two scenes share a texture
-    SceneTexture texture;
-    texture.name = fmt::format("{}{}", options.kind, scene_.textures.size());
-    texture.bgr = MakeTexture(options, root_.folder());
-    scene_.textures.push_back(std::move(texture));
+    const std::string name = fmt::format("{}{}", options.kind, scene_.textures.size());
+    const auto make = [options, folder = root_.folder()] { return MakeTexture(options, folder); };
+    scene_.textures.push_back({name, TextureSize(options, root_.folder()), make});
   } catch (const BadInput& e) {
     node.Fail(e.what());
   }

@@ -106,6 +106,11 @@ TextureOptions CompleteTexture(TextureOptions o) {
   return o;
 }
 
+cv::Size TextureSize(const TextureOptions& o, const std::filesystem::path& folder) {
+  const Kind& kind = FindKind(o.kind);
+  return kind.make ? PixelSize(o, kind.step) : ReadImageFile(o, folder).size();
+}
+
 cv::Mat MakeTexture(const TextureOptions& o, const std::filesystem::path& folder) {
   const Kind& kind = FindKind(o.kind);
   if (!kind.make) return ReadImageFile(o, folder);

@@ -51,6 +51,11 @@ void VisitFields(Visitor& visit, TextureOptions& o) {
 /// @throws BadOption naming field, value and range; also if the picture would have more than 64 million pixels.
 TextureOptions CompleteTexture(TextureOptions options);
 
+/// Size of the picture that MakeTexture makes of completed options; of the kind `image`, as many pixels as the file
+/// has.
+/// @throws BadInput as MakeTexture does.
+cv::Size TextureSize(const TextureOptions& options, const std::filesystem::path& folder = {});
+
 /// Makes the picture of completed options: CV_8UC3, display (sRGB) values, row 0 on top, bit-identical for equal
 /// options.
 /// @throws BadInput for the kind `image` if the file is missing or is no picture.

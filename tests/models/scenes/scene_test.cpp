@@ -90,7 +90,7 @@ TEST(Scene, ShippedScenesAreReadyWithinTwoSecondsOfOneCoreAndFitTheRenderer) {
     size_t bytes = 0;
     std::set<std::string> names;
     for (const SceneTexture& texture : scene.textures) {
-      bytes += texture.bgr.total() * 3;
+      bytes += size_t(texture.size_px.area()) * 3;
       EXPECT_TRUE(names.insert(texture.name).second) << texture.name;
     }
     EXPECT_LT(bytes, 100u << 20) << name;
@@ -106,7 +106,10 @@ TEST(Scene, ReadingTwiceGivesTheSameBits) {
   const Scene a = ReadScene("tabletop", kModels), b = ReadScene("tabletop", kModels);
   ASSERT_EQ(a.textures.size(), b.textures.size());
   for (size_t i = 0; i < a.textures.size(); ++i) {
-    EXPECT_EQ(cv::countNonZero(cv::Mat(a.textures[i].bgr != b.textures[i].bgr).reshape(1)), 0) << a.textures[i].name;
+    const cv::Mat picture = a.textures[i].Bgr();
+    EXPECT_EQ(picture.size(), a.textures[i].size_px) << a.textures[i].name;
+    EXPECT_EQ(cv::norm(picture, a.textures[i].Bgr(), cv::NORM_INF), 0) << a.textures[i].name;
+    EXPECT_EQ(cv::norm(picture, b.textures[i].Bgr(), cv::NORM_INF), 0) << a.textures[i].name;
   }
   ASSERT_EQ(a.boxes.size(), b.boxes.size());
   for (size_t i = 0; i < a.boxes.size(); ++i) EXPECT_EQ(a.boxes[i].X_WB.Matrix(), b.boxes[i].X_WB.Matrix());
@@ -115,7 +118,7 @@ TEST(Scene, ReadingTwiceGivesTheSameBits) {
 TEST(Scene, TheSeedChangesTexturesAndRandomPlaces) {
   const std::string scatter = "walls: [{points: [[-2, -1], [2, -1]], posters: {count: 3, top_m: 2}}]\n";
   const Scene a = SmallScene("seed: 1\n" + scatter), b = SmallScene("seed: 2\n" + scatter);
-  EXPECT_GT(cv::countNonZero(cv::Mat(a.textures[0].bgr != b.textures[0].bgr).reshape(1)), 0);
+  EXPECT_GT(cv::norm(a.textures[0].Bgr(), b.textures[0].Bgr(), cv::NORM_INF), 0);
   EXPECT_GT((FindBox(a, "poster0").X_WB.translation - FindBox(b, "poster0").X_WB.translation).norm(), 0.01);
 }
 
@@ -164,7 +167,7 @@ TEST(Scene, PostersShowTheirPictureWhereTheyFace) {
   EXPECT_EQ(poster.size.head<2>(), Eigen::Vector2d(0.4, 0.6));
   EXPECT_NEAR((poster.X_WB * Eigen::Vector3d(0, 0, -poster.size.z() / 2) - Eigen::Vector3d(1, 0.5, 1.2)).norm(), 0,
               1e-12);
-  const cv::Mat& picture = scene.textures[poster.texture].bgr;
+  const cv::Mat picture = scene.textures[poster.texture].Bgr();
   EXPECT_NEAR(double(picture.cols) / picture.rows, 0.4 / 0.6, 0.06);  // sizes are rounded up to 16 px
 }
 
@@ -256,7 +259,7 @@ TEST(Scene, TheFloorImageIsTheTextureAtItsOwnScale) {
   const Scene scene = SmallScene("");
   const cv::Mat floor = FloorImage(scene, 128);  // the texture's own resolution: every pixel is a texel
   ASSERT_EQ(floor.size(), cv::Size(4 * 128, 2 * 128));
-  const cv::Mat& texture = scene.textures[scene.floor_texture].bgr;
+  const cv::Mat texture = scene.textures[scene.floor_texture].Bgr();
   ASSERT_EQ(texture.size(), cv::Size(128, 128));
   for (int j = 0; j < 2; ++j) {
     for (int i = 0; i < 4; ++i) {  // whole repeats from the lower left corner

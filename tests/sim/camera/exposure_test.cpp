@@ -277,7 +277,7 @@ TEST(Exposure, ConvergesOnBriskFrames) {
   fine.exposure.max_subframes = 4096;
   fine.antialias *= 4;
   BriskWalk walk(coarse);
-  Renderer renderer(walk.world().model());
+  Renderer renderer(walk.world().model(), {}, walk.world().pictures());
   CameraRig coarse_rig(coarse, 1), fine_rig(fine, 1);
   TruthOptions blur_only;
   blur_only.sharp = blur_only.depth = false;

@@ -33,7 +33,8 @@ Pose Look(const Eigen::Vector3d& position, double yaw, double pitch) {
 class SceneViewer {
  public:
   explicit SceneViewer(const Scene& scene)
-      : world_(ReadRobot("omni_base", kModels), scene, PhysicsOptions{}, {}, 1), renderer_(world_.model()) {
+      : world_(ReadRobot("omni_base", kModels), scene, PhysicsOptions{}, {}, 1),
+        renderer_(world_.model(), {}, world_.pictures()) {
     world_.SetState(Pose(Eigen::Quaterniond::Identity(), {500, 500, 0}),
                     std::vector<double>(world_.robot().joints.size(), 0.0));
     mj_forward(world_.model(), world_.data());

@@ -100,7 +100,7 @@ struct Shot {
     World world = Standing(scene);
     Simulate(world, stamp_s + exposure_s);
     EglContext gl;
-    Renderer renderer(world.model());
+    Renderer renderer(world.model(), {}, world.pictures());
     FilmOptions film;
     film.exposure.exposure_ms = 1e3 * exposure_s;
     ExposingCamera exposing(world.model(), "camera.left", camera, film);

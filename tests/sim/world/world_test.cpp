@@ -134,7 +134,7 @@ TEST(World, RobotStandsOnBoxesAndTexturesChangeNothing) {
   World plain = Standing({}, 1, 0.1, scene);
   Simulate(plain, 0.5);
   EXPECT_NEAR(plain.X_WB().translation.z(), HipHeight(plain.robot(), Crouch(plain.robot())) + 0.1, 1e-3);
-  scene.textures.push_back({"checker", cv::Mat(16, 16, CV_8UC3, cv::Scalar(10, 200, 30))});
+  scene.textures.push_back(TextureOf("checker", cv::Mat(16, 16, CV_8UC3, cv::Scalar(10, 200, 30))));
   scene.boxes[0].texture = scene.floor_texture = 0;
   scene.lights.emplace_back();
   World textured = Standing({}, 1, 0.1, scene);
@@ -273,7 +273,7 @@ TEST(World, MeshesReachMujocoAndBrokenOnesAreNamed) {
 TEST(World, MoreTexturesThanMujocoDrawsAreRefused) {
   Scene scene;
   for (int i = 0; i < 100; ++i) {
-    scene.textures.push_back({"t", cv::Mat(4, 4, CV_8UC3, cv::Scalar(i, 0, 0))});
+    scene.textures.push_back(TextureOf("t", cv::Mat(4, 4, CV_8UC3, cv::Scalar(i, 0, 0))));
     SceneBox box;
     box.size = {0.1, 0.1, 0.1};
     box.texture = i;
