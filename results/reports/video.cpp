@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <exception>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
+#include <optional>
 #include <system_error>
+#include <thread>
 
+#include "algorithms/core/bounded_queue.h"
 #include "algorithms/core/errors.h"
+#include "results/reports/film_encoder.h"
 
 namespace gaitcam {
 namespace {
@@ -59,30 +63,48 @@ cv::Mat ComposeVideoFrame(const VideoFrame& frame, int height_px) {
   return canvas;
 }
 
+/// Pictures are composed and encoded on a thread of their own, while the next ones are rendered.
 struct VideoWriter::Implementation {
   std::filesystem::path path, temporary;
   VideoOptions options;
-  cv::VideoWriter writer;
+  std::optional<FilmEncoder> encoder;
+  BoundedQueue<VideoFrame> queue{4};
+  std::thread thread;
+  std::exception_ptr failure;  ///< Of the thread, which has ended then.
   cv::Size size;
   int frames = 0;
   bool finished = false;
 
-  void Open(const cv::Size& new_size) {
-    size = new_size;
-    const int fourcc = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
-    bool opened = false;
+  /// The first frame decides the film's size.
+  void Open(const VideoFrame& first) {
+    size = ComposeVideoFrame(first, options.height_px).size();
+    encoder.emplace(temporary, path.string(), size, options.frame_rate_hz);
+    thread = std::thread([this] { Encode(); });
+  }
+  void Encode() {
     try {
-      opened = writer.open(temporary.string(), cv::CAP_FFMPEG, fourcc, options.frame_rate_hz, size, true);
-    } catch (const cv::Exception&) {  // told below in our own words
+      while (const std::optional<VideoFrame> frame = queue.Pop()) {
+        const cv::Mat composed = ComposeVideoFrame(*frame, options.height_px);
+        GAITCAM_ASSERT(composed.size() == size);
+        encoder->Add(composed);
+      }
+    } catch (...) {
+      failure = std::current_exception();
+      queue.Close();
     }
-    if (opened) return;
-    throw MissingResource(fmt::format(
-        "{}: cannot write an H.264 film; the folder must be writable, and OpenCV needs FFmpeg with libx264 (Debian: "
-        "libopencv-videoio406, libavcodec59)",
-        path.string()));
+  }
+  void Join() {
+    queue.Close();
+    if (thread.joinable()) thread.join();
+  }
+  void Push(const VideoFrame& frame) {
+    if (queue.Push(frame)) return;
+    Join();
+    std::rethrow_exception(failure);
   }
   void Discard() {
-    writer.release();
+    Join();
+    encoder.reset();
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
   }
@@ -105,7 +127,7 @@ VideoWriter::VideoWriter(std::filesystem::path path, VideoOptions options) {
 }
 
 VideoWriter::~VideoWriter() {
-  if (implementation_ && implementation_->writer.isOpened()) implementation_->Discard();
+  if (implementation_ && implementation_->encoder) implementation_->Discard();
 }
 
 VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
@@ -117,17 +139,18 @@ VideoWriter& VideoWriter::operator=(VideoWriter&& other) noexcept {
 
 void VideoWriter::Add(const VideoFrame& frame) {
   GAITCAM_ASSERT(!implementation_->finished);
-  const cv::Mat composed = ComposeVideoFrame(frame, implementation_->options.height_px);
-  if (!implementation_->writer.isOpened()) implementation_->Open(composed.size());
-  GAITCAM_ASSERT(composed.size() == implementation_->size);
-  implementation_->writer.write(composed);
+  if (!implementation_->encoder) implementation_->Open(frame);
+  implementation_->Push(frame);
   ++implementation_->frames;
 }
 
 void VideoWriter::Finish() {
   implementation_->finished = true;
-  if (!implementation_->writer.isOpened()) return;
-  implementation_->writer.release();
+  if (!implementation_->encoder) return;
+  implementation_->Join();
+  if (implementation_->failure) std::rethrow_exception(implementation_->failure);
+  implementation_->encoder->Finish();
+  implementation_->encoder.reset();
   std::error_code error;
   std::filesystem::rename(implementation_->temporary, implementation_->path, error);
   if (error) throw MissingResource(implementation_->path.string() + ": cannot be written: " + error.message());

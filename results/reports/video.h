@@ -24,7 +24,10 @@ struct VideoFrame {
   bool alarm = false;  ///< Status in a warning colour: lost, fallen.
 };
 
-/// Writes H.264 (yuv420p) through FFmpeg under a temporary name beside `path`; the file takes its own name in Finish().
+/// Writes H.264 (yuv420p) under a temporary name beside `path`; the file takes its own name in Finish(). The same
+/// frames give the same bytes.
+///
+/// Frames are encoded on a thread of the writer's own: their pixels must not be altered after they were added.
 /// Without Finish() (an exception on the way) the temporary file is removed. All frames must have views of the same
 /// size.
 class VideoWriter {
@@ -35,7 +38,7 @@ class VideoWriter {
   VideoWriter(VideoWriter&&) noexcept;
   VideoWriter& operator=(VideoWriter&&) noexcept;
 
-  /// @throws MissingResource if this machine's OpenCV cannot encode H.264 or the file cannot be written.
+  /// @throws MissingResource if this machine's FFmpeg cannot encode H.264 or the file cannot be written.
   void Add(const VideoFrame& frame);
   /// Completes the file. Without any frame there is no file, and no error.
   void Finish();

@@ -68,7 +68,7 @@ systems track the frames, and what they say is scored against the simulator.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME gaitcam-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libopencv-dev, libceres-dev, libatlas-base-dev, libyaml-cpp-dev, \
-libfmt-dev, nlohmann-json3-dev, libssl-dev, libtinyxml2-dev")
+libfmt-dev, nlohmann-json3-dev, libssl-dev, libtinyxml2-dev, libavformat-dev, libdeflate-dev, libswscale-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "gaitcam (= ${PROJECT_VERSION}), libmujoco-dev, liburdfdom-dev, libcli11-dev, \
 libegl-dev, libgl-dev, libopengl-dev")
 set(CPACK_DEBIAN_DEV_DESCRIPTION "headers and libraries of gaitcam, for SLAM systems in C++

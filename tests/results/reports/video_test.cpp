@@ -59,6 +59,26 @@ TEST_F(Video, ReadsBackAsItWasWritten) {
   }
 }
 
+TEST_F(Video, TheSamePicturesGiveTheSameBytes) {
+  cv::RNG random(1);
+  cv::Mat noise(240, 320, CV_8UC3);
+  random.fill(noise, cv::RNG::UNIFORM, 0, 256);
+  std::vector<std::string> films;
+  for (const char* name : {"a.mp4", "b.mp4"}) {
+    VideoWriter writer(folder_.path() / name);
+    for (int i = 0; i < 60; ++i) {
+      VideoFrame frame = Frame(i % 20);
+      frame.camera = cv::Mat(noise.size(), CV_8UC3);
+      for (int row = 0; row < noise.rows; ++row) noise.row((row + 3 * i) % noise.rows).copyTo(frame.camera.row(row));
+      writer.Add(frame);
+    }
+    writer.Finish();
+    films.push_back(ReadText(folder_.path() / name));
+  }
+  EXPECT_GT(films[0].size(), 10000u);
+  EXPECT_TRUE(films[0] == films[1]);
+}
+
 TEST_F(Video, HasNoFileUntilItIsFinished) {
   const fs::path path = folder_.path() / "walk.mp4";
   {
