@@ -356,9 +356,9 @@ DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& ca
 }
 
 void DatasetWriter::Files::CheckOptions() const {
-  if (options_.png_compression < 1 || options_.png_compression > 9) {
+  if (options_.png_compression < 0 || options_.png_compression > 9) {
     throw BadOption("png_compression: " + std::to_string(options_.png_compression) +
-                    " is not permitted; expected 1 to 9");
+                    " is not permitted; expected 0 to 9");
   }
   if (options_.threads < 0 || options_.threads > 64) {
     throw BadOption("threads: " + std::to_string(options_.threads) + " is not permitted; expected 0 to 64");

@@ -20,7 +20,7 @@ struct DatasetWriterOptions {
   /// Also puts groundtruth (and, in a TUM folder without a depth sensor, true depth) into the sensors' folder, where
   /// tools that score by themselves look for it. A SLAM system must then be trusted not to look.
   bool truth_inside = false;
-  int png_compression = 1;  ///< 1 fastest to 9 smallest; all are lossless.
+  int png_compression = 1;  ///< 0 none, 1 fastest to 9 smallest; all are lossless.
   int threads = 2;          ///< That encode and write images beside the caller's; 0: Add() does it all. Same bytes.
 };
 

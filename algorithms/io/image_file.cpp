@@ -1,6 +1,5 @@
 #include "algorithms/io/image_file.h"
 
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -8,16 +7,14 @@
 #include <vector>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/png_encoder.h"
 
 namespace gaitcam {
 namespace {
 
 constexpr double kVectorScale = 64, kVectorOffset = 32768;  // KITTI's development kit for optical flow
 
-void WriteEncoded(const std::filesystem::path& file, const char* extension, const cv::Mat& image,
-                  const std::vector<int>& parameters) {
-  std::vector<uchar> bytes;
-  GAITCAM_ASSERT(!image.empty() && cv::imencode(extension, image, bytes, parameters));
+void WriteBytes(const std::filesystem::path& file, const std::vector<uint8_t>& bytes) {
   std::ofstream stream(file, std::ios::binary);
   stream.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
   stream.flush();
@@ -42,17 +39,18 @@ cv::Mat ReadEncoded(const std::filesystem::path& file, const std::string& listed
   return image;
 }
 
-/// OpenCV tries every row filter of PNG once a level is named; unnamed it takes the fastest filter, level and strategy,
-/// which halves the time at the same size.
-std::vector<int> Compression(int level) {
-  if (level == 1) return {};
-  return {cv::IMWRITE_PNG_COMPRESSION, level};
+/// std::round without a call of a function for each number: 32-bit floats, scaled, leave a double room to add a half.
+/// @returns whether it fits.
+bool Round16(double value, uint16_t& rounded) {
+  if (!(value > -0.5 && value < std::numeric_limits<uint16_t>::max() + 0.5)) return false;
+  rounded = uint16_t(value + 0.5);
+  return true;
 }
 
 }  // namespace
 
 void WritePng(const std::filesystem::path& file, const cv::Mat& image, int compression) {
-  WriteEncoded(file, ".png", image, Compression(compression));
+  WriteBytes(file, EncodePng(image, compression));
 }
 
 bool WriteDepthPng(const std::filesystem::path& file, const cv::Mat& depth, int compression) {
@@ -63,8 +61,7 @@ bool WriteDepthPng(const std::filesystem::path& file, const cv::Mat& depth, int 
     const float* from = depth.ptr<float>(row);
     uint16_t* to = coded.ptr<uint16_t>(row);
     for (int col = 0; col < depth.cols; ++col) {
-      const double units = std::round(double(from[col]) * kDepthUnitsPerMetre);
-      to[col] = units >= 1 && units <= std::numeric_limits<uint16_t>::max() ? uint16_t(units) : uint16_t(0);
+      if (!Round16(double(from[col]) * kDepthUnitsPerMetre, to[col])) to[col] = 0;
       exact = exact && float(to[col] / kDepthUnitsPerMetre) == from[col];
     }
   }
@@ -74,20 +71,22 @@ bool WriteDepthPng(const std::filesystem::path& file, const cv::Mat& depth, int 
 
 void WriteDepthTiff(const std::filesystem::path& file, const cv::Mat& depth) {
   GAITCAM_ASSERT(depth.type() == CV_32FC1);
-  WriteEncoded(file, ".tiff", depth, {});
+  std::vector<uint8_t> bytes;
+  GAITCAM_ASSERT(cv::imencode(".tiff", depth, bytes));
+  WriteBytes(file, bytes);
 }
 
 void WriteVectorsPng(const std::filesystem::path& file, const cv::Mat& vectors, int compression) {
   GAITCAM_ASSERT(vectors.type() == CV_32FC2);
   cv::Mat coded(vectors.size(), CV_16UC3, cv::Scalar::all(0));
-  constexpr double kMax = std::numeric_limits<uint16_t>::max();
   for (int row = 0; row < vectors.rows; ++row) {
+    const auto* from = vectors.ptr<cv::Vec2f>(row);
+    auto* to = coded.ptr<cv::Vec3w>(row);
     for (int col = 0; col < vectors.cols; ++col) {
-      const auto& v = vectors.at<cv::Vec2f>(row, col);
-      const double x = std::round(v[0] * kVectorScale + kVectorOffset);
-      const double y = std::round(v[1] * kVectorScale + kVectorOffset);
-      if (!(x >= 0 && x <= kMax && y >= 0 && y <= kMax)) continue;
-      coded.at<cv::Vec3w>(row, col) = {1, uint16_t(y), uint16_t(x)};  // blue, green, red
+      uint16_t x = 0, y = 0;
+      if (!Round16(from[col][0] * kVectorScale + kVectorOffset, x)) continue;
+      if (!Round16(from[col][1] * kVectorScale + kVectorOffset, y)) continue;
+      to[col] = {1, y, x};  // blue, green, red
     }
   }
   WritePng(file, coded, compression);

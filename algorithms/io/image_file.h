@@ -10,7 +10,7 @@ namespace gaitcam {
 
 constexpr double kDepthUnitsPerMetre = 5000;  ///< TUM RGB-D's 16-bit depth.
 
-/// Each throws MissingResource if the file cannot be written.
+/// Each throws MissingResource if the file cannot be written. @param compression as EncodePng has it.
 void WritePng(const std::filesystem::path& file, const cv::Mat& image, int compression);
 /// CV_32FC1 metres to 16 bit, rounded; what lies beyond 13.107 m becomes 0, "not measured".
 /// @returns whether ReadDepthPng gives back the very same image.

@@ -78,6 +78,9 @@ void AddRecord(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember(EnumWords<DatasetFormat>::List()));
   verb->add_option("--out", a.record.out, "folder to write (default: datasets/NAME-seedN; of a matrix datasets/NAME)");
   verb->add_flag("--truth-inside", a.record.truth_inside, "also put the ground truth inside the dataset folder");
+  verb->add_option("--compression", a.record.compression,
+                   "of images, all lossless: 0 none, which takes no time, 1 fast (the default) to 9 smallest")
+      ->check(CLI::Range(0, 9));
   verb->add_flag("--pairs", a.record.pairs, "pairs of frames: blurred, sharp, blur vectors, floor homography, points");
   verb->add_flag("--preview", a.record.preview, "video and contact sheet also of a single scenario");
   verb->add_option("-j,--jobs", a.record.jobs, "sequences of a matrix at once (default: one per core)")

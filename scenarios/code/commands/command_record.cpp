@@ -16,6 +16,7 @@ SequenceOptions OptionsOf(const RecordArguments& arguments) {
   if (arguments.format) options.format = DatasetFormatFromText(*arguments.format);
   options.truth_inside = arguments.truth_inside;
   options.preview = arguments.preview;
+  if (arguments.compression) options.compression = *arguments.compression;
   options.pairs.enabled = arguments.pairs;
   return options;
 }
@@ -103,6 +104,7 @@ int RecordMany(const RecordArguments& arguments, const CommonOptions& common) {
   if (arguments.scenario.system) changes.sets.push_back("system=" + *arguments.scenario.system);
   changes.seed = arguments.scenario.seed;
   changes.format = arguments.format;
+  changes.compression = arguments.compression;
   changes.pairs = arguments.pairs;
   changes.truth_inside = arguments.truth_inside;
   const RecordMatrix matrix = ReadMatrix(arguments.scenario.file, changes, arguments.yes);

@@ -41,6 +41,7 @@ struct RecordArguments {
   std::filesystem::path out;          ///< Empty: datasets/NAME-seedN; of a matrix datasets/NAME.
   bool truth_inside = false;          ///< Also put the truth where the layout's own tools look for it.
   bool pairs = false;                 ///< Pairs of frames with true correspondences.
+  std::optional<int> compression;     ///< Of images: 0 none, 1 fast to 9 smallest.
   bool preview = false;               ///< Video and contact sheet also of a single scenario.
   int jobs = 0;                       ///< Sequences of a matrix at once; 0: one per core.
   bool yes = false;                   ///< Also more than 100000 sequences.

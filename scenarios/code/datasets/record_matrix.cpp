@@ -81,6 +81,7 @@ void ApplyChanges(const MatrixChanges& changes, MatrixOptions& options) {
   }
   if (changes.seed) options.seeds.assign(1, *changes.seed);
   if (changes.format) options.recording.format = DatasetFormatFromText(*changes.format);
+  if (changes.compression) options.recording.compression = *changes.compression;
   options.recording.pairs.enabled |= changes.pairs;
   options.recording.truth_inside |= changes.truth_inside;
 }
@@ -91,6 +92,7 @@ std::string WordsOf(const MatrixChanges& changes) {
   for (const std::string& set : changes.sets) words += " --set '" + set + "'";
   if (changes.seed) words += fmt::format(" --seed {}", *changes.seed);
   if (changes.format) words += " --format " + *changes.format;
+  if (changes.compression) words += fmt::format(" --compression {}", *changes.compression);
   if (changes.pairs) words += " --pairs";
   if (changes.truth_inside) words += " --truth-inside";
   return words;

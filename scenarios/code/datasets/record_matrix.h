@@ -64,6 +64,7 @@ struct MatrixChanges {
   std::vector<std::string> sets;  ///< KEY=VALUE of the scenario, for all conditions.
   std::optional<uint64_t> seed;   ///< Replaces the file's seeds.
   std::optional<std::string> format;
+  std::optional<int> compression;
   bool pairs = false, truth_inside = false;  ///< In addition to the file's.
 };
 

@@ -80,6 +80,7 @@ DatasetWriterOptions SequenceOptions::WriterOptions() const {
   DatasetWriterOptions options;
   options.format = format;
   options.truth_inside = truth_inside;
+  options.png_compression = compression;
   return options;
 }
 

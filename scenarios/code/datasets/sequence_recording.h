@@ -25,6 +25,7 @@ struct SequenceOptions {
   DatasetFormat format = DatasetFormat::kTum;
   bool truth_inside = false;
   bool preview = true;
+  int compression = DatasetWriterOptions().png_compression;
   PairChoice pairs;
 
   DatasetWriterOptions WriterOptions() const;
@@ -35,6 +36,8 @@ void VisitFields(Visitor& visit, SequenceOptions& o) {
   visit("format", o.format, EnumWords<DatasetFormat>(), "layout of the sequences: TUM RGB-D, EuRoC ASL or VSLAM-LAB");
   visit("truth_inside", o.truth_inside, Nested(), "also put the ground truth where the layout's own tools look for it");
   visit("preview", o.preview, Nested(), "preview.mp4 and contact_sheet.png beside the truth");
+  visit("compression", o.compression, Between(0, 9),
+        "of images, all lossless: 0 none, which takes no time, 1 fast to 9 smallest");
   visit("pairs", o.pairs, Nested(), "true | {every, gap, points}: pairs of frames with true correspondences");
 }
 
