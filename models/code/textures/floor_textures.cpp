@@ -105,9 +105,7 @@ void PaintKnots(const Board& board, const TextureOptions& o, cv::Mat& bgr, Rando
   }
 }
 
-}  // namespace
-
-cv::Mat MakePlanks(const TextureOptions& o, cv::Size size, RandomStream& random) {
+cv::Mat NewPlanks(const TextureOptions& o, cv::Size size, RandomStream& random) {
   cv::Mat bgr(size, CV_8UC3);
   const std::vector<Board> boards = LayBoards(o, size, random);
   const Grain grain = MakeGrain(size, random);
@@ -115,6 +113,13 @@ cv::Mat MakePlanks(const TextureOptions& o, cv::Size size, RandomStream& random)
     PaintBoard(board, grain, o, bgr);
     PaintKnots(board, o, bgr, random);
   }
+  return bgr;
+}
+
+}  // namespace
+
+cv::Mat MakePlanks(const TextureOptions& o, cv::Size size, RandomStream& random) {
+  cv::Mat bgr = NewPlanks(o, size, random);
   Wear wear(size);
   const double area = o.size_m.prod(), px = o.px_per_m;
   wear.AddScratches(int(5 * area), 0.03 * px, 0.3 * px, 0.3 * o.contrast, random);
