@@ -4,6 +4,7 @@
 #include <chrono>
 #include <deque>
 #include <list>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -41,10 +42,21 @@ class TaskQueue {
   std::set<std::string> made_, being_made_;
 };
 
+/// A share of the cores for each of `at_once` processes. Mesa's software renderer and OpenCV would each start as many
+/// threads as there are cores, which wait for each other when others use the cores as well; pixels and poses do not
+/// depend on their number.
+std::map<std::string, std::string> ThreadsOfEach(size_t cores, size_t at_once) {
+  const size_t share = std::max<size_t>(1, cores / at_once);
+  if (share == cores) return {};
+  return {{"LP_NUM_THREADS", std::to_string(share == 1 ? 0 : share)},  // 0: the caller's thread does it all
+          {"OPENCV_FOR_THREADS_NUM", std::to_string(share)}};
+}
+
 /// The processes that run. They are killed, and reported so, if it is left before they end.
 class RunningTasks {
  public:
-  explicit RunningTasks(const PoolOptions& options) : options_(options) {}
+  RunningTasks(const PoolOptions& options, std::map<std::string, std::string> variables)
+      : options_(options), variables_(std::move(variables)) {}
   ~RunningTasks() {
     const std::vector<const PoolTask*> tasks = Tasks();
     running_.clear();  // kills
@@ -61,7 +73,7 @@ class RunningTasks {
   }
   void Start(const PoolTask& task) {
     options_.on_start(task);
-    running_.push_back({&task, Subprocess(task.command, task.log)});
+    running_.push_back({&task, Subprocess(task.command, SubprocessStreams{.log = task.log, .variables = variables_})});
   }
   /// Takes out those that have ended.
   void Reap(TaskQueue& queue) {
@@ -85,6 +97,7 @@ class RunningTasks {
     Subprocess process;
   };
   const PoolOptions& options_;
+  const std::map<std::string, std::string> variables_;
   std::list<Member> running_;
 };
 
@@ -105,7 +118,7 @@ bool RunPool(const std::vector<PoolTask>& tasks, const PoolOptions& options) {
   const size_t cores = std::max(1U, std::thread::hardware_concurrency());
   const size_t at_once = options.at_once > 0 ? size_t(options.at_once) : cores;
   TaskQueue queue(tasks);
-  RunningTasks running(options);
+  RunningTasks running(options, ThreadsOfEach(cores, std::clamp<size_t>(tasks.size(), 1, at_once)));
   Clock::time_point reported = Clock::now();
   while (!queue.empty() || running.size() > 0) {
     if (options.interrupted()) return false;

@@ -41,6 +41,8 @@ struct PoolOptions {
 };
 
 /// Runs tasks in their order, except that tasks which share a resource wait until one of them has succeeded.
+/// Where several run at once, the environment tells their renderer and OpenCV which share of the cores is theirs
+/// (LP_NUM_THREADS, OPENCV_FOR_THREADS_NUM), unless it says so already.
 /// @returns false if interrupted; processes that run are killed then.
 /// @throws MissingResource with the last line of the log when a process exits with 4: the machine lacks something that
 /// the others need as well.

@@ -55,8 +55,8 @@ std::vector<char*> Pointers(const std::vector<std::string>& words) {
   return pointers;
 }
 
-/// Ours, with `mark` added to the marks of those who started us.
-std::vector<std::string> MarkedEnvironment(const std::string& mark) {
+/// Ours and `more`, with `mark` added to the marks of those who started us.
+std::vector<std::string> MarkedEnvironment(const std::string& mark, const std::map<std::string, std::string>& more) {
   std::vector<std::string> environment;
   std::string marks;
   for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -66,6 +66,9 @@ std::vector<std::string> MarkedEnvironment(const std::string& mark) {
     } else {
       environment.emplace_back(text);
     }
+  }
+  for (const auto& [name, value] : more) {
+    if (std::getenv(name.c_str()) == nullptr) environment.push_back(name + "=" + value);
   }
   environment.push_back(fmt::format("{}={}{}", kMarkName, marks, mark));
   return environment;
@@ -98,7 +101,7 @@ Subprocess::Subprocess(const std::vector<std::string>& command, const Subprocess
   static std::atomic<int> count = 0;
   const pid_t parent = getpid();
   mark_ = fmt::format("<{}.{}.{}>", parent, std::chrono::steady_clock::now().time_since_epoch().count(), ++count);
-  const std::vector<std::string> environment = MarkedEnvironment(mark_);
+  const std::vector<std::string> environment = MarkedEnvironment(mark_, streams.variables);
   const std::vector<char*> words = Pointers(command), variables = Pointers(environment);
   child_ = fork();
   if (child_ == 0) BecomeProgram(words.data(), variables.data(), streams, parent);

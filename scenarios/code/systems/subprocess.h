@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ struct SubprocessStreams {
   int input = -1;                     ///< Standard input; -1: empty.
   int output = -1;                    ///< Standard output; -1: the log.
   std::filesystem::path folder = {};  ///< Working folder; empty: ours.
+  std::map<std::string, std::string> variables = {};  ///< Of its environment, where ours says nothing of them.
 };
 
 class Subprocess {

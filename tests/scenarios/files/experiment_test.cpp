@@ -86,8 +86,21 @@ TEST_F(ExperimentTest, TheHashSurvivesWritingOutAndAnotherNameOrFilm) {
   EXPECT_EQ(HashOf(ReadScenario(temporary_.path() / "again.yaml", {"name=other", "video.enabled=true"})),
             HashOf(scenario));
   EXPECT_NE(HashOf(ReadScenario(temporary_.path() / "again.yaml", {"system_seed=5"})), HashOf(scenario));
-  EXPECT_EQ(FramesHashOf(ReadScenario(temporary_.path() / "again.yaml", {"handicap.drop_every=5"})),
-            FramesHashOf(scenario));
+}
+
+/// What names a recorded walk: whoever changes only these reads the frames that are there.
+TEST_F(ExperimentTest, SystemHandicapScoreAndFilmChangeNoFrames) {
+  Read("base: base.yaml\naxes: {camera.exposure_ms: [3]}\n");
+  const std::filesystem::path file = temporary_.path() / "base.yaml";
+  const ResolvedScenario scenario = ReadScenario(file, {});
+  for (const char* change :
+       {"system=orb_vo", "system_seed=5", "handicap.drop_every=5", "score.min_coverage_ratio=0.1", "score.min_pairs=3",
+        "video.enabled=true", "video.height_px=240", "name=other", "description=other"}) {
+    EXPECT_EQ(FramesHashOf(ReadScenario(file, {change})), FramesHashOf(scenario)) << change;
+  }
+  for (const char* change : {"seed=5", "camera.exposure_ms=7", "gait.preset=brisk", "scene=hall", "duration_s=9"}) {
+    EXPECT_NE(FramesHashOf(ReadScenario(file, {change})), FramesHashOf(scenario)) << change;
+  }
 }
 
 TEST_F(ExperimentTest, BadFilesAreToldApart) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <thread>
 
 #include "algorithms/core/errors.h"
 #include "tests/scenarios/program.h"
@@ -51,6 +52,23 @@ TEST_F(PoolTest, StartsInOrderNeverMoreThanAllowedAndKeepsEachLog) {
     EXPECT_EQ(ends_.at(task.name).kind, Kind::kDone);
     EXPECT_EQ(ReadText(task.log), "I am " + task.name + "\n");
   }
+}
+
+TEST_F(PoolTest, TasksSideBySideShareTheCoresUnlessTheEnvironmentSaysOtherwise) {
+  const std::string show = "echo ${LP_NUM_THREADS-none} ${OPENCV_FOR_THREADS_NUM-none}";
+  unsetenv("LP_NUM_THREADS");
+  setenv("OPENCV_FOR_THREADS_NUM", "5", 1);
+  options_.at_once = int(std::max(2U, std::thread::hardware_concurrency()));  // a core for each
+  std::vector<PoolTask> tasks;
+  for (int i = 0; i < options_.at_once; ++i) tasks.push_back(Shell(std::to_string(i), show));
+  EXPECT_TRUE(RunPool(tasks, options_));
+  if (std::thread::hardware_concurrency() > 1) {
+    EXPECT_EQ(ReadText(tasks.back().log), "0 5\n");
+  }
+  options_.at_once = 1;
+  EXPECT_TRUE(RunPool({Shell("alone", show)}, options_));
+  EXPECT_EQ(ReadText(Shell("alone", show).log), "none 5\n");
+  unsetenv("OPENCV_FOR_THREADS_NUM");
 }
 
 TEST_F(PoolTest, AFailureIsTheLastLineOfTheLogAndADeathIsTheSignal) {
