@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace gaitcam {
 namespace {
@@ -41,10 +42,11 @@ TEST(PngEncoder, RowsMayLieApart) {
 
 TEST(PngEncoder, MoreCompressionGivesSmallerFiles) {
   for (const int type : kTypes) {
-    const cv::Mat picture = Picture(type, {320, 240});
+    cv::Mat picture;
+    cv::GaussianBlur(Picture(type, {320, 240}), picture, {}, 4);  // noise alone cannot be compressed
     const size_t none = EncodePng(picture, 0).size(), fast = EncodePng(picture, 1).size();
     EXPECT_LT(fast, none) << type;
-    EXPECT_LE(EncodePng(picture, 9).size(), fast) << type;
+    EXPECT_LT(EncodePng(picture, 9).size(), fast) << type;
   }
 }
 
