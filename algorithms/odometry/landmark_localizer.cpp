@@ -128,8 +128,9 @@ std::optional<LandmarkPose> LandmarkLocalizer::Attempt::RefineOverInliers(
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round) {
     inliers.clear();
+    const InverseDepthCamera camera(pose);
     for (int i = 0; i < int(sightings.size()); ++i) {
-      if (Mahalanobis2(sightings[size_t(i)], pose) < limit2) inliers.push_back(i);
+      if (Mahalanobis2(sightings[size_t(i)], camera) < limit2) inliers.push_back(i);
     }
     if (int(inliers.size()) < min_inliers_) return {};
     pose = RefinePose(sightings, inliers, pose, 2, prior);
