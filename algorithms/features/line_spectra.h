@@ -59,8 +59,9 @@ class LineSpectra {
 
  private:
   struct Profile {
-    Eigen::VectorXf sum, count;  ///< kRings * kBins.
+    Eigen::VectorXf sum, count;  ///< kRings * kBins; the latter if it is asked for.
   };
+  template <bool kWithCount>
   Profile MakeProfile(const LogSpectrum& log, double direction_rad) const;
 
   double min_extent_px_, high_frequency_;

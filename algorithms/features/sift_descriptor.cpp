@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <opencv2/core/hal/hal.hpp>
+#include <opencv2/core/hal/intrin.hpp>
 
 #include "algorithms/core/errors.h"
 
@@ -16,23 +18,37 @@ constexpr int kSamples = kGrid * kGrid;
 constexpr int kOrientationBins = 36;  ///< Bins of the orientation histogram.
 constexpr int kCells = 4, kBins = 8;  ///< Descriptor: cells per side, directions per cell.
 
+using Four = cv::v_float32x4;  ///< Neighbouring samples.
+constexpr int kFour = Four::nlanes;
+
 /// Gradients at the sample points of a window.
 struct Samples {
   alignas(16) float gx[kSamples], gy[kSamples], magnitude[kSamples], angle[kSamples];
 
-  /// Bilinear; outside the image there is no gradient.
-  void Take(int i, const cv::Mat& gradients, float x, float y) {
-    const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-    if (x0 < 0 || y0 < 0 || x0 >= gradients.cols - 1 || y0 >= gradients.rows - 1) {
-      gx[i] = gy[i] = 0;
-      return;
+  /// Bilinear, for four samples from the i-th on; outside the image there is no gradient.
+  void Take(int i, const cv::Mat& gradients, const Four& x, const Four& y) {
+    const cv::v_int32x4 x0 = cv::v_trunc(x), y0 = cv::v_trunc(y);
+    const Four zero = cv::v_setzero_f32(), one = cv::v_setall_f32(1);
+    const auto inside = cv::v_reinterpret_as_f32((x0 < cv::v_setall_s32(gradients.cols - 1)) &
+                                                 (y0 < cv::v_setall_s32(gradients.rows - 1))) &
+                        (x >= zero) & (y >= zero);
+    const int which = cv::v_signmask(inside);
+    alignas(16) int columns[kFour], rows[kFour];
+    cv::v_store_aligned(columns, x0);
+    cv::v_store_aligned(rows, y0);
+    Four upper[kFour], lower[kFour];  // of each sample (gx, gy) at x0 and at x0 + 1
+    for (int k = 0; k < kFour; ++k) {
+      const bool seen = ((which >> k) & 1) != 0;
+      upper[k] = seen ? cv::v_load(gradients.ptr<float>(rows[k]) + 2 * columns[k]) : zero;
+      lower[k] = seen ? cv::v_load(gradients.ptr<float>(rows[k] + 1) + 2 * columns[k]) : zero;
     }
-    const float a = x - float(x0), b = y - float(y0);
-    const float* p = gradients.ptr<float>(y0) + 2 * x0;
-    const float* q = gradients.ptr<float>(y0 + 1) + 2 * x0;
-    const float w00 = (1 - a) * (1 - b), w10 = a * (1 - b), w01 = (1 - a) * b, w11 = a * b;
-    gx[i] = w00 * p[0] + w10 * p[2] + w01 * q[0] + w11 * q[2];
-    gy[i] = w00 * p[1] + w10 * p[3] + w01 * q[1] + w11 * q[3];
+    Four x00, y00, x10, y10, x01, y01, x11, y11;
+    cv::v_transpose4x4(upper[0], upper[1], upper[2], upper[3], x00, y00, x10, y10);
+    cv::v_transpose4x4(lower[0], lower[1], lower[2], lower[3], x01, y01, x11, y11);
+    const Four a = x - cv::v_cvt_f32(x0), b = y - cv::v_cvt_f32(y0);
+    const Four w00 = (one - a) * (one - b), w10 = a * (one - b), w01 = (one - a) * b, w11 = a * b;
+    cv::v_store_aligned(gx + i, (w00 * x00 + w10 * x10 + w01 * x01 + w11 * x11) & inside);
+    cv::v_store_aligned(gy + i, (w00 * y00 + w10 * y10 + w01 * y01 + w11 * y11) & inside);
   }
   /// Equation 5.10; angles in radians, [0, 2 pi).
   void ToPolar() {
@@ -43,8 +59,8 @@ struct Samples {
 
 /// What depends on a sample's place in the window alone.
 struct WindowWeights {
-  float offset[kGrid];  ///< Of the samples from the centre along one axis, in units of the scale.
-  float gaussian[kSamples];
+  alignas(16) float offset[kGrid];  ///< Of the samples from the centre along one axis, in units of the scale.
+  alignas(16) float gaussian[kSamples];
 
   WindowWeights(double window, double sigma) {
     for (int i = 0; i < kGrid; ++i) offset[i] = float((i - (kGrid - 1) / 2.0) * window / kGrid);
@@ -57,8 +73,8 @@ struct WindowWeights {
 
 /// Share of a sample's column (or row) in the two nearest cells: weight 1 - d, d in units of the cells' spacing.
 struct CellShares {
-  int cell[kGrid];     ///< The first of the two; -1 and kCells - 1 have one cell only.
-  float share[kGrid];  ///< Of the second.
+  int cell[kGrid];                 ///< The first of the two; -1 and kCells - 1 have one cell only.
+  alignas(16) float share[kGrid];  ///< Of the second.
 
   CellShares() {
     for (int i = 0; i < kGrid; ++i) {
@@ -78,18 +94,31 @@ class Describer {
 
   /// Radians.
   std::vector<float> Orientations(const cv::Mat& gradients, const ScalePoint& p) {
-    for (int j = 0, k = 0; j < kGrid; ++j)
-      for (int i = 0; i < kGrid; ++i, ++k)
-        samples_.Take(k, gradients, p.x + p.scale * orientation_.offset[i], p.y + p.scale * orientation_.offset[j]);
+    const Four scale = cv::v_setall_f32(p.scale), x = cv::v_setall_f32(p.x);
+    for (int j = 0; j < kGrid; ++j) {
+      const Four y = cv::v_setall_f32(p.y + p.scale * orientation_.offset[j]);
+      for (int i = 0; i < kGrid; i += kFour)
+        samples_.Take(j * kGrid + i, gradients, x + scale * cv::v_load_aligned(orientation_.offset + i), y);
+    }
     samples_.ToPolar();
     std::array<float, kOrientationBins> histogram{};
-    for (int k = 0; k < kSamples; ++k) {
+    for (int k = 0; k < kSamples; k += kFour) {
       // Shared between the two nearest bins, which the thesis does not say: orientations do not snap to 10 degrees.
-      const float place = samples_.angle[k] * float(kOrientationBins / (2 * CV_PI));
-      const int bin = int(place);
-      const float share = place - float(bin), weight = samples_.magnitude[k] * orientation_.gaussian[k];
-      histogram[size_t(bin % kOrientationBins)] += weight * (1 - share);
-      histogram[size_t((bin + 1) % kOrientationBins)] += weight * share;
+      const Four place =
+          cv::v_load_aligned(samples_.angle + k) * cv::v_setall_f32(float(kOrientationBins / (2 * CV_PI)));
+      const cv::v_int32x4 bin = cv::v_trunc(place);
+      const Four share = place - cv::v_cvt_f32(bin);
+      const Four weight = cv::v_load_aligned(samples_.magnitude + k) * cv::v_load_aligned(orientation_.gaussian + k);
+      alignas(16) int bins[kFour];
+      alignas(16) float first[kFour], second[kFour];
+      cv::v_store_aligned(bins, bin);
+      cv::v_store_aligned(first, weight * (cv::v_setall_f32(1) - share));
+      cv::v_store_aligned(second, weight * share);
+      for (int i = 0; i < kFour; ++i) {
+        const int at = bins[i] < kOrientationBins ? bins[i] : bins[i] - kOrientationBins;
+        histogram[size_t(at)] += first[i];
+        histogram[size_t(at + 1 < kOrientationBins ? at + 1 : 0)] += second[i];
+      }
     }
     return Peaks(Smoothed(Smoothed(histogram)));
   }
@@ -97,11 +126,13 @@ class Describer {
   /// Writes kSiftLength values of unit length.
   void Describe(const cv::Mat& gradients, const ScalePoint& p, float orientation, float* out) {
     const float c = std::cos(orientation) * p.scale, s = std::sin(orientation) * p.scale;
-    for (int j = 0, k = 0; j < kGrid; ++j) {
+    for (int j = 0; j < kGrid; ++j) {
       const float v = descriptor_.offset[j];
-      for (int i = 0; i < kGrid; ++i, ++k) {
-        const float u = descriptor_.offset[i];
-        samples_.Take(k, gradients, p.x + c * u - s * v, p.y + s * u + c * v);
+      for (int i = 0; i < kGrid; i += kFour) {
+        const Four u = cv::v_load_aligned(descriptor_.offset + i);
+        const Four x = cv::v_setall_f32(p.x) + cv::v_setall_f32(c) * u - cv::v_setall_f32(s * v);
+        const Four y = cv::v_setall_f32(p.y) + cv::v_setall_f32(s) * u + cv::v_setall_f32(c * v);
+        samples_.Take(j * kGrid + i, gradients, x, y);
       }
     }
     samples_.ToPolar();
@@ -137,23 +168,34 @@ class Describer {
   /// frame around them that catches what falls outside.
   void Accumulate(float orientation) {
     std::memset(cells_, 0, sizeof(cells_));
-    for (int k = 0; k < kSamples; ++k) {
-      float direction = (samples_.angle[k] - orientation) * float(kBins / (2 * CV_PI));
-      const float turn = std::floor(direction);
-      const float share = direction - turn;
-      const int first = int(turn) & (kBins - 1), second = (first + 1) & (kBins - 1);
-      const int row = k / kGrid, column = k % kGrid;
-      const float m = samples_.magnitude[k] * descriptor_.gaussian[k];
-      const float fx = shares_.share[column], fy = shares_.share[row];
-      float* cell = cells_[shares_.cell[row] + 1][shares_.cell[column] + 1];
-      const auto add = [&](float* bins, float weight) {
-        bins[first] += weight * (1 - share);
-        bins[second] += weight * share;
-      };
-      add(cell, m * (1 - fx) * (1 - fy));
-      add(cell + kBins, m * fx * (1 - fy));
-      add(cell + (kCells + 2) * kBins, m * (1 - fx) * fy);
-      add(cell + (kCells + 3) * kBins, m * fx * fy);
+    const Four one = cv::v_setall_f32(1);
+    for (int k = 0; k < kSamples; k += kFour) {
+      const Four direction = (cv::v_load_aligned(samples_.angle + k) - cv::v_setall_f32(orientation)) *
+                             cv::v_setall_f32(float(kBins / (2 * CV_PI)));
+      const cv::v_int32x4 turn = cv::v_floor(direction);
+      const Four share = direction - cv::v_cvt_f32(turn), rest = one - share;
+      const Four m = cv::v_load_aligned(samples_.magnitude + k) * cv::v_load_aligned(descriptor_.gaussian + k);
+      const Four fx = cv::v_load_aligned(shares_.share + k % kGrid), fy = cv::v_setall_f32(shares_.share[k / kGrid]);
+      const Four weights[4] = {m * (one - fx) * (one - fy), m * fx * (one - fy), m * (one - fx) * fy, m * fx * fy};
+      alignas(16) int bins[kFour];
+      alignas(16) float first[4][kFour], second[4][kFour];  // of the four cells
+      cv::v_store_aligned(bins, turn & cv::v_setall_s32(kBins - 1));
+      for (int c = 0; c < 4; ++c) {
+        cv::v_store_aligned(first[c], weights[c] * rest);
+        cv::v_store_aligned(second[c], weights[c] * share);
+      }
+      for (int i = 0; i < kFour; ++i) Add(k + i, bins[i], i, first, second);
+    }
+  }
+
+  /// Of sample k, the i-th of four, to the cells around it.
+  void Add(int k, int bin, int i, const float (&first)[4][kFour], const float (&second)[4][kFour]) {
+    float* const cell = cells_[shares_.cell[k / kGrid] + 1][shares_.cell[k % kGrid] + 1];
+    const int next = (bin + 1) & (kBins - 1);
+    constexpr int kOffsets[4] = {0, kBins, (kCells + 2) * kBins, (kCells + 3) * kBins};
+    for (int c = 0; c < 4; ++c) {
+      cell[kOffsets[c] + bin] += first[c][i];
+      cell[kOffsets[c] + next] += second[c][i];
     }
   }
 
@@ -187,7 +229,12 @@ cv::Mat Gradients(const cv::Mat& light) {
   for (int y = 1; y < light.rows - 1; ++y) {
     const float *row = light.ptr<float>(y), *up = light.ptr<float>(y - 1), *down = light.ptr<float>(y + 1);
     float* out = gradients.ptr<float>(y);
-    for (int x = 1; x < light.cols - 1; ++x) {
+    int x = 1;
+    for (; x + kFour <= light.cols - 1; x += kFour) {
+      cv::v_store_interleave(out + 2 * x, cv::v_load(row + x + 1) - cv::v_load(row + x - 1),
+                             cv::v_load(down + x) - cv::v_load(up + x));
+    }
+    for (; x < light.cols - 1; ++x) {
       out[2 * x] = row[x + 1] - row[x - 1];
       out[2 * x + 1] = down[x] - up[x];
     }
@@ -200,19 +247,52 @@ int SiftLength(const SiftOptions& options) {
   return kSiftLength + (options.kind_weight > 0 ? kKinds : 0);
 }
 
-Features DescribeSift(const ScaleSpace& space, const std::vector<ScalePoint>& points, const SiftOptions& options) {
+namespace {
+
+/// Of the levels of a scale space, each computed when it is first asked for.
+class LevelGradients {
+ public:
+  explicit LevelGradients(const ScaleSpace& space) : space_(space) {}
+
+  const cv::Mat& operator()(const ScalePoint& p) {
+    gradients_.resize(space_.size());
+    std::vector<cv::Mat>& octave = gradients_[size_t(p.octave)];
+    octave.resize(space_[size_t(p.octave)].levels.size());
+    cv::Mat& level = octave[size_t(p.level)];
+    if (level.empty()) level = Gradients(space_[size_t(p.octave)].levels[size_t(p.level)].light);
+    return level;
+  }
+
+ private:
+  const ScaleSpace& space_;
+  std::vector<std::vector<cv::Mat>> gradients_;  ///< By octave and level.
+};
+
+/// As they are given, or if not all features are wanted, those of largest response first.
+std::vector<int> OrderToDescribe(const std::vector<ScalePoint>& points, int most) {
+  std::vector<int> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (most == kAllFeatures) return order;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return points[size_t(a)].response > points[size_t(b)].response; });
+  return order;
+}
+
+}  // namespace
+
+Features DescribeSift(const ScaleSpace& space, const std::vector<ScalePoint>& points, const SiftOptions& options,
+                      int most) {
   CheckFields(options);
   Describer describer(options);
+  LevelGradients gradients_of(space);
   Features features;
   std::vector<float> rows;
   const int length = SiftLength(options);
-  cv::Mat gradients;
-  int of_octave = -1, of_level = -1;
-  for (const ScalePoint& p : points) {
+  for (const int i : OrderToDescribe(points, most)) {
+    const ScalePoint& p = points[size_t(i)];
+    if (features.size() >= most && p.response < features.keypoints.back().response) break;
     const ScaleOctave& octave = space[size_t(p.octave)];
-    if (p.octave != of_octave || p.level != of_level) gradients = Gradients(octave.levels[size_t(p.level)].light);
-    of_octave = p.octave;
-    of_level = p.level;
+    const cv::Mat& gradients = gradients_of(p);
     for (const float orientation : describer.Orientations(gradients, p)) {
       const size_t row = rows.size();
       rows.resize(row + size_t(length), 0);
