@@ -116,11 +116,12 @@ void FindExtrema(const ScaleOctave& octave, const std::vector<cv::Mat>& determin
     points.push_back(point);
   };
   constexpr int kFourPixels = 4;
+  const size_t stride = near.here->step1();
   for (int y = kBorder; y < near.here->rows - kBorder; ++y) {
     const float* row = near.here->ptr<float>(y);
     int x = kBorder;
     for (; x + kFourPixels <= near.here->cols - kBorder; x += kFourPixels) {
-      const int which = MayBeExtrema(row + x, near.here->step1(), threshold, options.saddles);
+      const int which = MayBeExtrema(row + x, stride, threshold, options.saddles);
       for (int k = 0; which >> k != 0; ++k) {
         if ((which >> k & 1) != 0) look(row, x + k, y);
       }
