@@ -88,6 +88,12 @@ std::optional<InverseDepthCamera::Sight> InverseDepthCamera::See(const AnchoredP
   return sight;
 }
 
+std::optional<Eigen::Vector2d> InverseDepthCamera::Project(const AnchoredPoint& point) const {
+  const Eigen::Vector3d h = R_CW_ * (point.ray_W + point.rho * (point.anchor_W - position_W_));
+  if (!(h.z() > kMinDepth)) return {};
+  return h.hnormalized();
+}
+
 Eigen::Matrix<double, 2, 6> InverseDepthCamera::Sight::DerivativeByCamera(double rho) const {
   Eigen::Matrix<double, 2, 6> J;
   J << -rho * d_xy, d_xy * Hat(h);

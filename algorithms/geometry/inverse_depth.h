@@ -81,6 +81,8 @@ class InverseDepthCamera {
   };
   /// @returns nothing if the point is behind.
   std::optional<Sight> See(const AnchoredPoint& point) const;
+  /// Its place in the image alone.
+  std::optional<Eigen::Vector2d> Project(const AnchoredPoint& point) const;
 
   const Eigen::Matrix3d& R_CW() const { return R_CW_; }
 
