@@ -150,18 +150,32 @@ LandmarkSearchOptions LandmarkLocalizer::SearchOptions(double radius, double rat
 
 std::optional<LandmarkPose> LandmarkLocalizer::Localize(const KeyframeMap& map, const FrameView& view,
                                                         const PosePrediction& prediction, RandomStream& random) const {
-  auto localized = LocalizeWithNoise(map, view, prediction, 1, random);
-  return localized ? localized : LocalizeWithNoise(map, view, prediction, options_.retry_noise_factor, random);
+  Candidates candidates;
+  auto localized = LocalizeAmong(candidates, map, view, prediction, 1, random);
+  return localized ? localized : LocalizeAmong(candidates, map, view, prediction, options_.retry_noise_factor, random);
 }
 
-/// Guided search around the predictions; if that fails, matching by descriptors alone (relocalisation).
 std::optional<LandmarkPose> LandmarkLocalizer::LocalizeWithNoise(const KeyframeMap& map, const FrameView& view,
                                                                  const PosePrediction& prediction, double noise,
                                                                  RandomStream& random) const {
+  Candidates candidates;
+  return LocalizeAmong(candidates, map, view, prediction, noise, random);
+}
+
+/// Guided search around the predictions; if that fails, matching by descriptors alone (relocalisation).
+std::optional<LandmarkPose> LandmarkLocalizer::LocalizeAmong(Candidates& candidates, const KeyframeMap& map,
+                                                             const FrameView& view, const PosePrediction& prediction,
+                                                             double noise, RandomStream& random) const {
   const Attempt attempt(*this, map, view, prediction, noise, random);
-  const LandmarkSearchOptions wide = SearchOptions(options_.search_deg * kRadPerDeg, ratio_);
-  auto found = attempt.FindConsensus(SearchNear(map, view, prediction.X_WC, wide), prediction.X_WC);
-  if (!found) found = attempt.FindConsensus(SearchAnywhere(map, view, ratio_), prediction.X_WC);
+  if (!candidates.nearby) {
+    const LandmarkSearchOptions wide = SearchOptions(options_.search_deg * kRadPerDeg, ratio_);
+    candidates.nearby = SearchNear(map, view, prediction.X_WC, wide);
+  }
+  auto found = attempt.FindConsensus(*candidates.nearby, prediction.X_WC);
+  if (!found) {
+    if (!candidates.anywhere) candidates.anywhere = SearchAnywhere(map, view, ratio_);
+    found = attempt.FindConsensus(*candidates.anywhere, prediction.X_WC);
+  }
   return attempt.RepeatWithNarrowSearch(found);
 }
 

@@ -93,7 +93,13 @@ class LandmarkLocalizer {
 
  private:
   class Attempt;
+  /// What does not depend on the noise that an attempt assumes, found when the first one asks for it.
+  struct Candidates {
+    std::optional<std::vector<LandmarkMatch>> nearby, anywhere;
+  };
   LandmarkSearchOptions SearchOptions(double radius, double ratio) const;
+  std::optional<LandmarkPose> LocalizeAmong(Candidates& candidates, const KeyframeMap& map, const FrameView& view,
+                                            const PosePrediction& prediction, double noise, RandomStream& random) const;
   std::optional<LandmarkPose> LocalizeNearby(const KeyframeMap& map, const FrameView& view,
                                              const PosePrediction& prediction, double noise,
                                              RandomStream& random) const;
