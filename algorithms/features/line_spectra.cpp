@@ -112,35 +112,64 @@ LineSpectra::LineSpectra(int window_px, double min_extent_px, double max_extent_
   }
 }
 
-template <bool kWithCount>
-LineSpectra::Profile LineSpectra::MakeProfile(const LogSpectrum& log, double direction_rad) const {
-  Profile profile{Eigen::VectorXf::Zero(kRings * kBins), Eigen::VectorXf::Zero(kWithCount ? kRings * kBins : 0)};
-  const float c = float(std::cos(direction_rad) * kBins / high_frequency_);
-  const float s = float(std::sin(direction_rad) * kBins / high_frequency_);
-  const auto add = [&](int bin, float value) {
-    profile.sum[bin] += value;
-    if (kWithCount) profile.count[bin] += 1.0f;
-  };
+/// Calls add(n, bin, value) for each sample, in their order, and each of the directions n.
+template <size_t N, class Add>
+void LineSpectra::ForEachBin(const LogSpectrum& log, const std::array<double, N>& directions_rad, Add add) const {
+  std::array<float, N> c, s;
+  for (size_t n = 0; n < N; ++n) {
+    c[n] = float(std::cos(directions_rad[n]) * kBins / high_frequency_);
+    s[n] = float(std::sin(directions_rad[n]) * kBins / high_frequency_);
+  }
   constexpr size_t kAtOnce = cv::v_float32x4::nlanes;
   size_t i = 0;
   for (; i + kAtOnce <= log.samples.size(); i += kAtOnce) {
     static_assert(sizeof(SpectrumSample) == 4 * sizeof(float));
     cv::v_float32x4 fx, fy, value, ring;
     cv::v_load_deinterleave(&log.samples[i].fx, fx, fy, value, ring);
-    const cv::v_int32x4 along = cv::v_trunc(cv::v_abs(fx * cv::v_setall_f32(c) + fy * cv::v_setall_f32(s)));
-    alignas(16) int bins[kAtOnce];
-    cv::v_store_aligned(
-        bins, cv::v_reinterpret_as_s32(ring) * cv::v_setall_s32(kBins) + cv::v_min(cv::v_setall_s32(kBins - 1), along));
-    for (size_t k = 0; k < kAtOnce; ++k) add(bins[k], log.samples[i + k].value);
+    alignas(16) int bins[N][kAtOnce];
+    for (size_t n = 0; n < N; ++n) {
+      const auto along = cv::v_trunc(cv::v_abs(fx * cv::v_setall_f32(c[n]) + fy * cv::v_setall_f32(s[n])));
+      cv::v_store_aligned(bins[n], cv::v_reinterpret_as_s32(ring) * cv::v_setall_s32(kBins) +
+                                       cv::v_min(cv::v_setall_s32(kBins - 1), along));
+    }
+    for (size_t k = 0; k < kAtOnce; ++k) {
+      for (size_t n = 0; n < N; ++n) add(n, bins[n][k], log.samples[i + k].value);
+    }
   }
   for (; i < log.samples.size(); ++i) {
     const SpectrumSample& sample = log.samples[i];
-    add(sample.ring * kBins + std::min(kBins - 1, int(std::abs(sample.fx * c + sample.fy * s))), sample.value);
+    for (size_t n = 0; n < N; ++n) {
+      const int along = int(std::abs(sample.fx * c[n] + sample.fy * s[n]));
+      add(n, sample.ring * kBins + std::min(kBins - 1, along), sample.value);
+    }
   }
-  return profile;
 }
 
-LineSpectra::Templates LineSpectra::MakeTemplates(const LogSpectrum& log, const std::vector<float>& floors,
+template <size_t N>
+std::array<Eigen::VectorXf, N> LineSpectra::MakeProfiles(const LogSpectrum& log,
+                                                         const std::array<double, N>& directions_rad) const {
+  std::array<Eigen::VectorXf, N> sums;
+  std::array<float*, N> values;
+  for (size_t n = 0; n < N; ++n) {
+    sums[n] = Eigen::VectorXf::Zero(kRings * kBins);
+    values[n] = sums[n].data();
+  }
+  ForEachBin(log, directions_rad, [&](size_t n, int bin, float value) { values[n][bin] += value; });
+  return sums;
+}
+
+Eigen::VectorXf LineSpectra::CountSamples(const LogSpectrum& log, double direction_rad) const {
+  Eigen::VectorXf counts = Eigen::VectorXf::Zero(kRings * kBins);
+  ForEachBin<1>(log, {direction_rad}, [&](size_t, int bin, float) { counts[bin] += 1.0f; });
+  return counts;
+}
+
+Eigen::VectorXf LineSpectra::CountSamples(const LogSpectrum& log) const {
+  constexpr double kAnyDirection = 0.6;
+  return CountSamples(log, kAnyDirection);
+}
+
+LineSpectra::Templates LineSpectra::MakeTemplates(const Eigen::VectorXf& counts, const std::vector<float>& floors,
                                                   double low_px, double high_px) const {
   GAITCAM_ASSERT(floors.size() == kRings);
   Templates t;
@@ -148,14 +177,12 @@ LineSpectra::Templates LineSpectra::MakeTemplates(const LogSpectrum& log, const 
   const int count = std::clamp(int((high_px - min_extent_px_) / kExtentStep) + 1, t.first + 1, extents_) - t.first;
   t.values.resize(kRings * kBins, count);
   t.norms.resize(count);
-  // How many samples there are in a bin hardly depends on the direction: take any.
-  const Eigen::VectorXf samples = MakeProfile<true>(log, 0.6).count;
   for (int e = 0; e < count; ++e) {
     const double half_period = 0.5 / (min_extent_px_ + (t.first + e) * kExtentStep) / high_frequency_ * kBins;
     RunningMean mean(kBins, half_period);
     float squares = 0;
     for (int r = 0; r < kRings; ++r) {
-      const auto weight = samples.segment<kBins>(r * kBins);
+      const auto weight = counts.segment<kBins>(r * kBins);
       auto ripple = t.values.col(e).segment<kBins>(r * kBins);
       const float floor = std::max(float(kMinFloor), floors[size_t(r)]);
       for (int b = 0; b < kBins; ++b) ripple[b] = std::log(power_(b, t.first + e) + floor);
@@ -169,10 +196,24 @@ LineSpectra::Templates LineSpectra::MakeTemplates(const LogSpectrum& log, const 
   return t;
 }
 
+std::array<Eigen::VectorXf, 2> LineSpectra::Correlate(const LogSpectrum& log, const Templates& templates,
+                                                      const std::array<double, 2>& directions_rad) const {
+  const float length = log.deviation * std::sqrt(float(log.samples.size()));
+  std::array<Eigen::VectorXf, 2> correlations;
+  correlations.fill(Eigen::VectorXf::Zero(templates.norms.size()));
+  if (!(length > 0)) return correlations;
+  const auto profiles = MakeProfiles(log, directions_rad);
+  for (size_t n = 0; n < 2; ++n) {
+    const Eigen::VectorXf dots = templates.values.transpose() * profiles[n];
+    correlations[n] = dots.array() / (templates.norms.array() * length);
+  }
+  return correlations;
+}
+
 Eigen::VectorXf LineSpectra::Correlate(const LogSpectrum& log, const Templates& templates, double direction_rad) const {
   const float length = log.deviation * std::sqrt(float(log.samples.size()));
   if (!(length > 0)) return Eigen::VectorXf::Zero(templates.norms.size());
-  const Eigen::VectorXf dots = templates.values.transpose() * MakeProfile<false>(log, direction_rad).sum;
+  const Eigen::VectorXf dots = templates.values.transpose() * MakeProfiles<1>(log, {direction_rad})[0];
   return dots.array() / (templates.norms.array() * length);
 }
 
@@ -228,7 +269,8 @@ std::vector<float> LineSpectra::MeasureFloors(const LogSpectrum& log, const Line
 }
 
 double LineSpectra::Agreement(const LogSpectrum& log, const Templates& templates, const LineFit& fit) const {
-  Profile profile = MakeProfile<true>(log, fit.direction_rad);
+  Eigen::VectorXf sums = MakeProfiles<1>(log, {fit.direction_rad})[0];
+  Eigen::VectorXf counts = CountSamples(log, fit.direction_rad);
   const double row = (fit.extent_px - min_extent_px_) / kExtentStep - templates.first;
   const int nearest = std::clamp(int(std::lround(row)), 0, int(templates.norms.size()) - 1);
   // Any image with a main direction has a lobe in the middle: what tells blur is the first zero and what lies beyond.
@@ -237,12 +279,12 @@ double LineSpectra::Agreement(const LogSpectrum& log, const Templates& templates
   RunningMean mean(kBins, 0.5 / fit.extent_px / high_frequency_ * kBins);
   double dot = 0, seen = 0, expected = 0, cubes = 0, total = 0;
   for (int r = 0; r < kRings; ++r) {
-    auto values = profile.sum.segment<kBins>(r * kBins);
-    const auto weight = profile.count.segment<kBins>(r * kBins);
+    auto values = sums.segment<kBins>(r * kBins);
+    const auto weight = counts.segment<kBins>(r * kBins);
     for (int b = 0; b < kBins; ++b) values[b] = weight[b] > 0 ? values[b] / weight[b] : b > 0 ? values[b - 1] : 0;
     mean.SubtractFrom(values);
     const auto ripple = templates.values.col(nearest).segment<kBins>(r * kBins);
-    profile.count.segment(r * kBins, first).setZero();
+    counts.segment(r * kBins, first).setZero();
     dot += double((weight.array() * values.array() * ripple.array()).sum());
     seen += double((weight.array() * values.array().square()).sum());
     expected += double((weight.array() * ripple.array().square()).sum());

@@ -131,7 +131,7 @@ Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::v
                 double huber, const std::optional<PositionPrior>& prior) {
   Pose pose = X_WC;
   constexpr int kMaxSteps = 10;
-  constexpr double kConverged = 1e-9, kMaxTurn = 0.5;  // rad; the linearisation holds no further
+  constexpr double kConverged = 1e-6, kMaxTurn = 0.5;  // rad; the linearisation holds no further
   std::vector<AnchoredPoint> points;
   points.reserve(use.size());
   for (const int i : use) points.emplace_back(sightings[size_t(i)].point);

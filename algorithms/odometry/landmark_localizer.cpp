@@ -150,6 +150,7 @@ LandmarkSearchOptions LandmarkLocalizer::SearchOptions(double radius, double rat
 
 std::optional<LandmarkPose> LandmarkLocalizer::Localize(const KeyframeMap& map, const FrameView& view,
                                                         const PosePrediction& prediction, RandomStream& random) const {
+  if (auto soon = LocalizeSoon(map, view, prediction, random)) return soon;
   Candidates candidates;
   auto localized = LocalizeAmong(candidates, map, view, prediction, 1, random);
   return localized ? localized : LocalizeAmong(candidates, map, view, prediction, options_.retry_noise_factor, random);
@@ -160,6 +161,21 @@ std::optional<LandmarkPose> LandmarkLocalizer::LocalizeWithNoise(const KeyframeM
                                                                  RandomStream& random) const {
   Candidates candidates;
   return LocalizeAmong(candidates, map, view, prediction, noise, random);
+}
+
+/// Most frames turn by less than the search allows for: half the radius has a quarter of the candidates. What is found
+/// there counts if it has as many inliers as were to be expected, by half.
+std::optional<LandmarkPose> LandmarkLocalizer::LocalizeSoon(const KeyframeMap& map, const FrameView& view,
+                                                            const PosePrediction& prediction,
+                                                            RandomStream& random) const {
+  constexpr double kRadiusFactor = 0.5, kMinShare = 0.5;
+  if (!prediction.prior || !(prediction.expected_inliers > 0)) return {};
+  const Attempt attempt(*this, map, view, prediction, 1, random);
+  const double radius = kRadiusFactor * options_.search_deg * kRadPerDeg;
+  const auto near = SearchNear(map, view, prediction.X_WC, SearchOptions(radius, ratio_));
+  const auto found = attempt.FindConsensusNearby(near, prediction.X_WC, radius);
+  if (!found || double(found->inliers.size()) < kMinShare * prediction.expected_inliers) return {};
+  return attempt.RepeatWithNarrowSearch(found);
 }
 
 /// Guided search around the predictions; if that fails, matching by descriptors alone (relocalisation).
