@@ -32,19 +32,18 @@ struct Samples {
     const auto inside = cv::v_reinterpret_as_f32((x0 < cv::v_setall_s32(gradients.cols - 1)) &
                                                  (y0 < cv::v_setall_s32(gradients.rows - 1))) &
                         (x >= zero) & (y >= zero);
-    const int which = cv::v_signmask(inside);
     alignas(16) int columns[kFour], rows[kFour];
-    cv::v_store_aligned(columns, x0);
-    cv::v_store_aligned(rows, y0);
-    Four upper[kFour], lower[kFour];  // of each sample (gx, gy) at x0 and at x0 + 1
-    for (int k = 0; k < kFour; ++k) {
-      const bool seen = ((which >> k) & 1) != 0;
-      upper[k] = seen ? cv::v_load(gradients.ptr<float>(rows[k]) + 2 * columns[k]) : zero;
-      lower[k] = seen ? cv::v_load(gradients.ptr<float>(rows[k] + 1) + 2 * columns[k]) : zero;
-    }
-    Four x00, y00, x10, y10, x01, y01, x11, y11;
-    cv::v_transpose4x4(upper[0], upper[1], upper[2], upper[3], x00, y00, x10, y10);
-    cv::v_transpose4x4(lower[0], lower[1], lower[2], lower[3], x01, y01, x11, y11);
+    const cv::v_int32x4 seen = cv::v_reinterpret_as_s32(inside);  // what is not, is taken from the corner
+    cv::v_store_aligned(columns, x0 & seen);
+    cv::v_store_aligned(rows, y0 & seen);
+    const float* const first = gradients.ptr<float>();
+    const size_t stride = gradients.step1();
+    const auto at = [&](int k) { return first + stride * size_t(rows[k]) + 2 * columns[k]; };
+    const float *const p0 = at(0), *const p1 = at(1), *const p2 = at(2), *const p3 = at(3);
+    Four x00, y00, x10, y10, x01, y01, x11, y11;  // (gx, gy) at x0 and at x0 + 1, in row y0 and below
+    cv::v_transpose4x4(cv::v_load(p0), cv::v_load(p1), cv::v_load(p2), cv::v_load(p3), x00, y00, x10, y10);
+    cv::v_transpose4x4(cv::v_load(p0 + stride), cv::v_load(p1 + stride), cv::v_load(p2 + stride),
+                       cv::v_load(p3 + stride), x01, y01, x11, y11);
     const Four a = x - cv::v_cvt_f32(x0), b = y - cv::v_cvt_f32(y0);
     const Four w00 = (one - a) * (one - b), w10 = a * (one - b), w01 = (one - a) * b, w11 = a * b;
     cv::v_store_aligned(gx + i, (w00 * x00 + w10 * x10 + w01 * x01 + w11 * x11) & inside);
@@ -176,27 +175,39 @@ class Describer {
       const Four share = direction - cv::v_cvt_f32(turn), rest = one - share;
       const Four m = cv::v_load_aligned(samples_.magnitude + k) * cv::v_load_aligned(descriptor_.gaussian + k);
       const Four fx = cv::v_load_aligned(shares_.share + k % kGrid), fy = cv::v_setall_f32(shares_.share[k / kGrid]);
-      const Four weights[4] = {m * (one - fx) * (one - fy), m * fx * (one - fy), m * (one - fx) * fy, m * fx * fy};
+      const Four left = m * (one - fx), right = m * fx;
       alignas(16) int bins[kFour];
-      alignas(16) float first[4][kFour], second[4][kFour];  // of the four cells
       cv::v_store_aligned(bins, turn & cv::v_setall_s32(kBins - 1));
-      for (int c = 0; c < 4; ++c) {
-        cv::v_store_aligned(first[c], weights[c] * rest);
-        cv::v_store_aligned(second[c], weights[c] * share);
-      }
-      for (int i = 0; i < kFour; ++i) Add(k + i, bins[i], i, first, second);
+      alignas(16) float of_first[kFour][4], of_second[kFour][4];  // of each sample to the four cells
+      ToCells(left * (one - fy) * rest, right * (one - fy) * rest, left * fy * rest, right * fy * rest, of_first);
+      ToCells(left * (one - fy) * share, right * (one - fy) * share, left * fy * share, right * fy * share, of_second);
+      for (int i = 0; i < kFour; ++i) Add(k + i, bins[i], of_first[i], of_second[i]);
     }
   }
 
-  /// Of sample k, the i-th of four, to the cells around it.
-  void Add(int k, int bin, int i, const float (&first)[4][kFour], const float (&second)[4][kFour]) {
-    float* const cell = cells_[shares_.cell[k / kGrid] + 1][shares_.cell[k % kGrid] + 1];
+  /// Of each cell four samples, to of each sample four cells.
+  static void ToCells(const Four& a, const Four& b, const Four& c, const Four& d, float (&out)[kFour][4]) {
+    Four s0, s1, s2, s3;
+    cv::v_transpose4x4(a, b, c, d, s0, s1, s2, s3);
+    cv::v_store_aligned(out[0], s0);
+    cv::v_store_aligned(out[1], s1);
+    cv::v_store_aligned(out[2], s2);
+    cv::v_store_aligned(out[3], s3);
+  }
+
+  /// A sample to the cells around it.
+  void Add(int k, int bin, const float* first, const float* second) {
+    float* const upper = cells_[shares_.cell[k / kGrid] + 1][shares_.cell[k % kGrid] + 1];
+    float* const lower = upper + (kCells + 2) * kBins;
     const int next = (bin + 1) & (kBins - 1);
-    constexpr int kOffsets[4] = {0, kBins, (kCells + 2) * kBins, (kCells + 3) * kBins};
-    for (int c = 0; c < 4; ++c) {
-      cell[kOffsets[c] + bin] += first[c][i];
-      cell[kOffsets[c] + next] += second[c][i];
-    }
+    upper[bin] += first[0];
+    upper[next] += second[0];
+    upper[kBins + bin] += first[1];
+    upper[kBins + next] += second[1];
+    lower[bin] += first[2];
+    lower[next] += second[2];
+    lower[kBins + bin] += first[3];
+    lower[kBins + next] += second[3];
   }
 
   void Normalise(float* out) const {
