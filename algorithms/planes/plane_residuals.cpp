@@ -6,7 +6,6 @@
 
 namespace gaitcam {
 
-using internal::PixelJacobian;
 using internal::ToPixel;
 using internal::ToRay;
 
@@ -26,7 +25,11 @@ PlaneResiduals::PlaneResiduals(const CameraModel& camera, int max_blur_samples, 
       points_(reference.points[k]),
       reference_blur_(reference.blur),
       blur_(blur),
-      scale_(double(1 << k)) {
+      scale_(double(1 << k)),
+      fx_(camera.fx / scale_),
+      fy_(camera.fy / scale_) {
+  rays_.reserve(points_.size());
+  for (const Eigen::Vector2d& p : points_) rays_.push_back(ToRay(camera, scale_, p));
   const double w = camera.width_px - 1, h = camera.height_px - 1;
   const std::vector<Eigen::Vector3d> corners{ToRay(camera, 1, {0, h}), ToRay(camera, 1, {w, h}),
                                              ToRay(camera, 1, {w / 2, h / 2})};
@@ -36,7 +39,15 @@ PlaneResiduals::PlaneResiduals(const CameraModel& camera, int max_blur_samples, 
 
 Eigen::Vector2d PlaneResiduals::Path(const Eigen::Vector3d& p, const ExposureMotion& motion) const {
   const Eigen::Vector3d displacement = motion.head<3>() + motion.tail<3>().cross(p);
-  return PixelJacobian(camera_, scale_, p) * displacement;
+  return PixelJacobian(p) * displacement;
+}
+
+/// As internal::PixelJacobian has it.
+Eigen::Matrix<double, 2, 3> PlaneResiduals::PixelJacobian(const Eigen::Vector3d& p) const {
+  const double iz = 1 / p.z();
+  Eigen::Matrix<double, 2, 3> J;
+  J << fx_ * iz, 0, -fx_ * p.x() * iz * iz, 0, fy_ * iz, -fy_ * p.y() * iz * iz;
+  return J;
 }
 
 /// Mean along an exposure's path, with about one sample every second pixel.
@@ -51,15 +62,9 @@ std::optional<ImageSample> PlaneResiduals::Average(const PyramidLevel& level, co
   }
   const Eigen::Vector2d half = 0.5 * path;
   if (!level.Contains(p - half) || !level.Contains(p + half)) return std::nullopt;
-  ImageSample sum;
-  for (int i = 0; i < samples; ++i) {
-    const ImageSample sample = level.At(p + ((i + 0.5) / samples - 0.5) * path);
-    sum.intensity += sample.intensity;
-    sum.du += sample.du;
-    sum.dv += sample.dv;
-  }
-  const float share = 1.0F / float(samples);
-  return ImageSample{sum.intensity * share, sum.du * share, sum.dv * share};
+  cv::v_float32x4 sum = cv::v_setzero_f32();
+  for (int i = 0; i < samples; ++i) sum += level.LanesAt(p + ((i + 0.5) / samples - 0.5) * path);
+  return PyramidLevel::SampleOf(sum * cv::v_setall_f32(1.0F / float(samples)));
 }
 
 PlaneResiduals::Shared PlaneResiduals::SharedOf(const PlaneState& state) const {
@@ -76,13 +81,14 @@ PlaneResiduals::Shared PlaneResiduals::SharedOf(const PlaneState& state) const {
   return s;
 }
 
-std::optional<PlaneResidual> PlaneResiduals::ResidualAt(const Shared& s, const Eigen::Vector2d& p_R) const {
-  const Eigen::Vector3d ray = ToRay(camera_, scale_, p_R);
+/// @param ray of the pixel p_R.
+std::optional<PlaneResidual> PlaneResiduals::ResidualAt(const Shared& s, const Eigen::Vector2d& p_R,
+                                                        const Eigen::Vector3d& ray) const {
   const double rho = s.n_d.dot(ray);
   if (rho <= 1e-6) return std::nullopt;  // on or above the horizon
   const Eigen::Vector3d p = s.H * ray;   // the point seen, times its inverse depth
   if (p.z() <= 1e-3) return std::nullopt;
-  const Eigen::Matrix<double, 2, 3> dpixel = PixelJacobian(camera_, scale_, p);
+  const Eigen::Matrix<double, 2, 3> dpixel = PixelJacobian(p);
   Eigen::Matrix2d A = dpixel * s.H.leftCols<2>();  // d p_C / d p_R
   A.col(0) *= scale_ / camera_.fx;
   A.col(1) *= scale_ / camera_.fy;
@@ -116,8 +122,8 @@ std::vector<PlaneResidual> PlaneResiduals::At(const PlaneState& state) const {
   const Shared shared = SharedOf(state);
   std::vector<PlaneResidual> residuals;
   residuals.reserve(points_.size());
-  for (const Eigen::Vector2d& p : points_) {
-    if (std::optional<PlaneResidual> residual = ResidualAt(shared, p)) residuals.push_back(*residual);
+  for (size_t i = 0; i < points_.size(); ++i) {
+    if (const auto residual = ResidualAt(shared, points_[i], rays_[i])) residuals.push_back(*residual);
   }
   return residuals;
 }
