@@ -39,8 +39,10 @@ class LandmarkLocalizer::Attempt {
   std::optional<LandmarkPose> FindConsensusNearby(const std::vector<LandmarkMatch>& matches, const Pose& guess,
                                                   double radius) const;
   std::optional<LandmarkPose> RepeatWithNarrowSearch(const std::optional<LandmarkPose>& found) const;
+  std::optional<LandmarkPose> RefineWithNarrowSearch(const LandmarkPose& found) const;
 
  private:
+  std::vector<LandmarkMatch> SearchNarrowly(const Pose& X_WC) const;
   std::optional<Pose> ThreePointPose(const std::vector<LandmarkMatch>& matches, const Pose& guess) const;
   std::optional<LandmarkPose> RefineOverInliers(const std::vector<LandmarkMatch>& matches,
                                                 const std::vector<InverseDepthSighting>& sightings, Pose pose,
@@ -109,14 +111,26 @@ std::optional<LandmarkPose> LandmarkLocalizer::Attempt::FindConsensusNearby(cons
   return refined;
 }
 
+std::vector<LandmarkMatch> LandmarkLocalizer::Attempt::SearchNarrowly(const Pose& X_WC) const {
+  constexpr double kRadiusPx = 5;
+  return SearchNear(
+      map_, view_, X_WC,
+      localizer_.SearchOptions(kRadiusPx * noise_ / localizer_.focal_px_, RatioNearby(localizer_.ratio_)));
+}
+
 /// Searches again within a few pixels of where the landmarks project from the pose found.
 std::optional<LandmarkPose> LandmarkLocalizer::Attempt::RepeatWithNarrowSearch(
     const std::optional<LandmarkPose>& found) const {
   if (!found) return {};
-  constexpr double kRadiusPx = 5;
-  const auto narrow =
-      localizer_.SearchOptions(kRadiusPx * noise_ / localizer_.focal_px_, RatioNearby(localizer_.ratio_));
-  return FindConsensus(SearchNear(map_, view_, found->X_WC, narrow), found->X_WC);
+  return FindConsensus(SearchNarrowly(found->X_WC), found->X_WC);
+}
+
+/// The same for a pose near the prior that is beyond doubt: no other is tried.
+std::optional<LandmarkPose> LandmarkLocalizer::Attempt::RefineWithNarrowSearch(const LandmarkPose& found) const {
+  const std::vector<LandmarkMatch> matches = SearchNarrowly(found.X_WC);
+  const auto refined = RefineOverInliers(matches, Sightings(matches), found.X_WC, prediction_.prior);
+  if (refined && !IsWithinReach(*prediction_.prior, refined->X_WC)) return {};
+  return refined;
 }
 
 /// Alternates between selecting the inliers of a pose and refining it over them.
@@ -175,7 +189,7 @@ std::optional<LandmarkPose> LandmarkLocalizer::LocalizeSoon(const KeyframeMap& m
   const auto near = SearchNear(map, view, prediction.X_WC, SearchOptions(radius, ratio_));
   const auto found = attempt.FindConsensusNearby(near, prediction.X_WC, radius);
   if (!found || double(found->inliers.size()) < kMinShare * prediction.expected_inliers) return {};
-  return attempt.RepeatWithNarrowSearch(found);
+  return attempt.RefineWithNarrowSearch(*found);
 }
 
 /// Guided search around the predictions; if that fails, matching by descriptors alone (relocalisation).

@@ -28,6 +28,9 @@ PlaneResiduals::PlaneResiduals(const CameraModel& camera, int max_blur_samples, 
       scale_(double(1 << k)),
       fx_(camera.fx / scale_),
       fy_(camera.fy / scale_) {
+  for (int samples = 1; samples <= max_blur_samples; ++samples) {
+    for (int i = 0; i < samples; ++i) offsets_.push_back((i + 0.5) / samples - 0.5);
+  }
   rays_.reserve(points_.size());
   for (const Eigen::Vector2d& p : points_) rays_.push_back(ToRay(camera, scale_, p));
   const double w = camera.width_px - 1, h = camera.height_px - 1;
@@ -63,7 +66,8 @@ std::optional<ImageSample> PlaneResiduals::Average(const PyramidLevel& level, co
   const Eigen::Vector2d half = 0.5 * path;
   if (!level.Contains(p - half) || !level.Contains(p + half)) return std::nullopt;
   cv::v_float32x4 sum = cv::v_setzero_f32();
-  for (int i = 0; i < samples; ++i) sum += level.LanesAt(p + ((i + 0.5) / samples - 0.5) * path);
+  const double* const offsets = &offsets_[size_t(samples * (samples - 1) / 2)];
+  for (int i = 0; i < samples; ++i) sum += level.LanesAt(p + offsets[i] * path);
   return PyramidLevel::SampleOf(sum * cv::v_setall_f32(1.0F / float(samples)));
 }
 
@@ -108,9 +112,10 @@ std::optional<PlaneResidual> PlaneResiduals::ResidualAt(const Shared& s, const E
   r.reference = expected->intensity;
   r.value = seen->intensity - (s.gain * r.reference + s.offset);
   // Eq. 6.19: with the mean of both images' gradients, by the current pixel, the step is of second order.
-  const Eigen::RowVector2d gradient = 0.5 * (Eigen::RowVector2d(seen->du, seen->dv) +
-                                             s.gain * Eigen::RowVector2d(expected->du, expected->dv) * A_inverse);
-  const Eigen::RowVector3d by_point = gradient * dpixel;
+  const double e_u = s.gain * expected->du, e_v = s.gain * expected->dv;
+  const double u = 0.5 * (seen->du + (e_u * A_inverse(0, 0) + e_v * A_inverse(1, 0)));
+  const double v = 0.5 * (seen->dv + (e_u * A_inverse(0, 1) + e_v * A_inverse(1, 1)));
+  const Eigen::RowVector3d by_point(u * dpixel(0, 0), v * dpixel(1, 1), u * dpixel(0, 2) + v * dpixel(1, 2));
   const Eigen::RowVector3d by_point_R = by_point * s.R;
   r.row.head<3>() = rho * by_point_R;
   r.row.segment<3>(3) = ray.cross(by_point_R.transpose()).transpose();

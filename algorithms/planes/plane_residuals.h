@@ -76,6 +76,8 @@ class PlaneResiduals {
   const CurrentBlur& blur_;
   double scale_, fx_, fy_;             ///< Focal lengths in pixels of this level.
   std::vector<Eigen::Vector3d> rays_;  ///< Of the points.
+  /// Of k samples along a path, from offsets_[k (k - 1) / 2] on: where each lies, in parts of the path from its middle.
+  std::vector<double> offsets_;
   Eigen::Matrix3d M_, M_inverse_;
 };
 
