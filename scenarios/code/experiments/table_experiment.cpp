@@ -74,6 +74,10 @@ const std::vector<ExperimentEntry>& ListExperiments() {
        "gaitcam experiment speed --out results/speed.md\n"
        "gaitcam experiment speed scenarios/tabletop_khr1hv.yaml --frames 20",
        MakeSpeed},
+      {"tracking_time", "what a frame costs each system, beside SIFT on the same frames",
+       "gaitcam experiment tracking_time --system mobif_vo_plus --system floor_slam --out tracking_time.md\n"
+       "gaitcam experiment tracking_time datasets/lab_loop_brisk-seed1 --system mobif_vo",
+       MakeTrackingTime},
       {"walking", "every humanoid, gait preset and path over several seeds: falls, speed, tilt, path error",
        "gaitcam experiment walking --out results/walking.md\n"
        "gaitcam experiment walking --robot khr1hv --preset brisk",
