@@ -43,9 +43,8 @@ void DescribeFlow(const std::vector<Eigen::Vector2d>& open, const std::vector<Ei
   if (motion.axis.dot(sum) < 0) motion.axis = -motion.axis;
 }
 
-/// The lens's point spread, of standard deviation `sigma_px`. Variances add: each pass of (v/2, 1 - v, v/2) adds v.
-cv::Mat Soften(const cv::Mat& light, double sigma_px) {
-  const double variance = sigma_px * sigma_px;
+/// A point spread of a variance in px^2. Variances add: each pass of (v/2, 1 - v, v/2) adds v.
+cv::Mat Soften(const cv::Mat& light, double variance) {
   const int passes = int(std::ceil(variance / 0.4));
   cv::Mat soft = light;
   for (int i = 0; i < passes; ++i) {
@@ -131,7 +130,7 @@ cv::Mat ExposingCamera::Sharp(Renderer& renderer, const Pose& X_WC) {
     renderer.Draw(*data_, X_WC, lens_->pinhole(), shift);
     Collect(renderer, shift, weights, light);
   }
-  return Soften(light.light(), options_.softness_px);
+  return Soften(light.light(), LensVariance());
 }
 
 /// The same from a finer picture.
@@ -139,12 +138,18 @@ cv::Mat ExposingCamera::Sharp(const KeyPicture& key) const {
   const CameraModel& camera = lens_->camera();
   const std::vector<Eigen::Vector2d> shifts = PixelShifts(std::max(options_.antialias, 9));
   const std::vector<float> weights(size_t(camera.height_px), 1.f / float(shifts.size()));
-  cv::Mat light(camera.height_px, camera.width_px, CV_32FC4, cv::Scalar::all(0)), colours;
+  cv::Mat light(camera.height_px, camera.width_px, CV_32FC4, cv::Scalar::all(0));
   std::vector<ShearedFrame> samples;
   for (const Eigen::Vector2d& shift : shifts) samples.push_back({&key.at, shift, weights});
   keys_.Add(key, samples, light);
+  return SoftenSheared(light);
+}
+
+/// Through the lens, what was added up from key pictures.
+cv::Mat ExposingCamera::SoftenSheared(const cv::Mat& light) const {
+  cv::Mat colours;
   cv::cvtColor(light, colours, cv::COLOR_BGRA2BGR);
-  return Soften(colours, options_.softness_px);
+  return Soften(colours, LensVariance());
 }
 
 ExposingCamera::Middle ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
@@ -231,7 +236,7 @@ cv::Mat ExposingCamera::Integrate(Renderer& renderer, const MotionRecord& record
     renderer.Draw(*data_, X_WC, lens_->pinhole(), plan[i].shift_px);
     Collect(renderer, plan[i].shift_px, weights[i], light);
   }
-  return Soften(light.light(), options_.softness_px);
+  return Soften(light.light(), LensVariance());
 }
 
 cv::Mat ExposingCamera::Shear(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan,
@@ -240,7 +245,7 @@ cv::Mat ExposingCamera::Shear(Renderer& renderer, const MotionRecord& record, co
   const int64_t stamp_ns = middle.at.stamp_ns;
   const std::vector<std::vector<float>> weights = SlotWeights(options_.exposure, stamp_ns, plan, camera.height_px);
   const std::vector<Eigen::Vector2d> shifts = PixelShifts(keys);
-  cv::Mat light(camera.height_px, camera.width_px, CV_32FC4, cv::Scalar::all(0)), colours;
+  cv::Mat light(camera.height_px, camera.width_px, CV_32FC4, cv::Scalar::all(0));
   for (const KeySlot& slot : PlanKeys(plan, stamp_ns, keys)) {
     KeyPicture other;
     if (slot.stamp_ns != stamp_ns) {
@@ -254,8 +259,7 @@ cv::Mat ExposingCamera::Shear(Renderer& renderer, const MotionRecord& record, co
     }
     keys_.Add(slot.stamp_ns != stamp_ns ? other : middle, frames, light);
   }
-  cv::cvtColor(light, colours, cv::COLOR_BGRA2BGR);
-  return Soften(colours, options_.softness_px);
+  return SoftenSheared(light);
 }
 
 void ExposingCamera::DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,

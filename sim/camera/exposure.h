@@ -95,6 +95,8 @@ class ExposingCamera {
 
   cv::Mat Sharp(Renderer& renderer, const Pose& X_WC);
   cv::Mat Sharp(const KeyPicture& key) const;
+  double LensVariance() const { return options_.softness_px * options_.softness_px; }
+  cv::Mat SoftenSheared(const cv::Mat& light) const;
   Middle SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, std::optional<int> detail,
                    bool sharp);
   int CountKeys(const Middle& middle, const std::vector<SceneInstant>& looks, const ShutterPlan& plan,

@@ -97,6 +97,15 @@ class Sampler {
   float last_x_, last_y_;
 };
 
+/// Plainly integrated, a lens that bends is seen through a tent-shaped pixel, two pixels wide
+/// (LightAccumulator::AddBent). Between its own pixels a key picture is read through a tent as many times narrower;
+/// folded with this one it is the same.
+void WidenTent(int finer, cv::Mat& light) {
+  std::vector<float> tent;
+  for (int i = 1 - finer; i < finer; ++i) tent.push_back(float(finer - std::abs(i)) / float(finer * finer));
+  cv::sepFilter2D(light, light, CV_32F, tent, tent, {-1, -1}, 0, cv::BORDER_REPLICATE);
+}
+
 cv::Mat Nearness(const KeyPicture& key, const std::vector<float>& ray_x, const std::vector<float>& ray_y, int stride,
                  const cv::Size& size) {
   cv::Mat nearness(size.height, stride, CV_32FC1, cv::Scalar(0));
@@ -139,6 +148,7 @@ KeyPicture KeyCamera::See(Renderer& renderer, mjData& data, const SceneInstant& 
   cv::Mat bgrx;
   renderer.ReadColor(bgrx);
   DecodeLight(bgrx, key.light);
+  if (lens_->warps()) WidenTent(finer, key.light);
   key.depth = renderer.ReadDepth();
   key.camera.cx -= shift_px.x();
   key.camera.cy -= shift_px.y();
@@ -153,10 +163,10 @@ KeyPicture KeyCamera::See(Renderer& renderer, mjData& data, const SceneInstant& 
 /// One instant: where its pixels look in the key picture.
 class KeyCamera::Path {
  public:
-  Path(const KeyPicture& key, const ShearedFrame& frame, double f)
+  Path(const KeyPicture& key, const ShearedFrame& frame, double shift_scale)
       : weights_(frame.row_weights),
-        shift_x_(Repeat(float(frame.shift_px.x() / f))),
-        shift_y_(Repeat(float(frame.shift_px.y() / f))) {
+        shift_x_(Repeat(float(frame.shift_px.x() * shift_scale))),
+        shift_y_(Repeat(float(frame.shift_px.y() * shift_scale))) {
     const size_t bodies = key.bodies.empty() ? 1 : frame.at->X_WB.size();
     for (size_t body = 0; body < bodies; ++body) {
       followers_.emplace_back(RelativeMotion(*frame.at, key.at, int(body)), key.camera);
@@ -271,10 +281,12 @@ void KeyCamera::AddRow(const KeyPicture& key, std::span<const Path* const> paths
 void KeyCamera::Add(const KeyPicture& key, std::span<const ShearedFrame> frames, cv::Mat& light) const {
   const cv::Size size = lens_->rays().size();
   GAITCAM_ASSERT(light.type() == CV_32FC4 && light.size() == size);
+  // Through the tent of a lens that bends, pixels look at their centres (LightAccumulator::AddBent).
+  const double shift_scale = lens_->warps() ? 0 : 1 / lens_->pinhole().fx;
   std::vector<Path> paths;
   for (const ShearedFrame& frame : frames) {
     GAITCAM_ASSERT(int(frame.row_weights.size()) == size.height);
-    paths.emplace_back(key, frame, lens_->pinhole().fx);
+    paths.emplace_back(key, frame, shift_scale);
   }
   std::vector<const Path*> open;
   for (int row = 0; row < size.height; ++row) {

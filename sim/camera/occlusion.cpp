@@ -37,8 +37,8 @@ class Edges {
 
   /// Of two neighbours with an edge between them.
   Strip At(const cv::Point& a, const cv::Point& b) const {
-    const Eigen::Vector2d open = Moved(a, to_open_), close = Moved(a, to_close_);
-    const double apart = ((open - Moved(b, to_open_)).norm() + (close - Moved(b, to_close_)).norm()) / 4;
+    const Eigen::Vector2d open = Moved(a, a, to_open_), close = Moved(a, a, to_close_);
+    const double apart = ((open - Moved(a, b, to_open_)).norm() + (close - Moved(a, b, to_close_)).norm()) / 4;
     const double path = std::max(1.0, (close - open).norm());
     const cv::Point step = b - a;
     return {Contrast(a - step, b + step) * std::min(apart, path) / path, path};
@@ -47,11 +47,12 @@ class Edges {
  private:
   int BodyAt(const cv::Point& p) const { return key_.bodies.empty() ? 0 : key_.bodies.at<int>(p); }
 
-  Eigen::Vector2d Moved(const cv::Point& p, const std::vector<Pose>& motion) const {
-    const cv::Vec2f ray = rays_.at<cv::Vec2f>(p);
-    const float z = depth_.at<float>(p);
+  /// How far a point moves that is seen at `pixel` if it is part of what `seen` sees, px.
+  Eigen::Vector2d Moved(const cv::Point& pixel, const cv::Point& seen, const std::vector<Pose>& motion) const {
+    const cv::Vec2f ray = rays_.at<cv::Vec2f>(pixel);
+    const float z = depth_.at<float>(seen);
     const Eigen::Vector3d from(ray[0], ray[1], 1);
-    const Pose& X = motion[BodyAt(p)];
+    const Pose& X = motion[size_t(BodyAt(seen))];
     const Eigen::Vector3d to = X.R() * from + (z > 0 ? Eigen::Vector3d(X.translation / z) : Eigen::Vector3d::Zero());
     if (to.z() <= 0) return Eigen::Vector2d::Zero();
     return f_ * (to.head<2>() / to.z() - from.head<2>());
