@@ -315,7 +315,7 @@ cv::Mat Simulation::ThirdPersonView(int width_px, int height_px) {
   const Eigen::Vector3d middle(X_WB.translation.x(), X_WB.translation.y(), 0.55 * height);
   // From ahead on the robot's left, a little above: face, arms and the step are all seen.
   const Pose X_WV = LookAt(middle, 2.2 * height, X_WB.Yaw() + 2.3, -0.25);
-  return renderer_.Picture(*world_.data(), X_WV, CameraModel::FromHorizontalFov(width_px, height_px, 55), 4);
+  return renderer_.Picture(*world_.data(), X_WV, CameraModel::FromHorizontalFov(width_px, height_px, 55), 2);
 }
 
 }  // namespace gaitcam

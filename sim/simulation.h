@@ -89,6 +89,12 @@ class Simulation {
   /// True length of the path walked so far by the robot's root, m.
   double distance_m() const { return distance_m_; }
 
+  /// What the last frame was filmed of and with: to measure other cameras in the same place. Call between frames.
+  World& world() { return world_; }
+  Renderer& renderer() { return renderer_; }
+  /// Number of the frame that the next call films.
+  int64_t next_frame() const { return frame_; }
+
   /// A picture of the robot from beside it, BGR. Call between frames.
   cv::Mat ThirdPersonView(int width_px, int height_px);
 

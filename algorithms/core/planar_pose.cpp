@@ -21,6 +21,9 @@ Eigen::Vector2d operator*(const PlanarPose& X_AB, const Eigen::Vector2d& p_B) {
   return X_AB.position + Rotate(p_B, X_AB.heading);
 }
 
+PlanarMotion::PlanarMotion(const PlanarPose& X_AB)
+    : position_(X_AB.position), c_(std::cos(X_AB.heading)), s_(std::sin(X_AB.heading)) {}
+
 PlanarPose BelowCamera(const Pose& X_WC) {
   const Eigen::Vector3d forward = X_WC.rotation * Eigen::Vector3d::UnitZ();
   return {X_WC.translation.head<2>(), std::atan2(forward.y(), forward.x())};

@@ -29,6 +29,21 @@ Eigen::Vector2d operator*(const PlanarPose& X_AB, const Eigen::Vector2d& p_B);
 /// `v` turned to the left by `angle` rad.
 Eigen::Vector2d Rotate(const Eigen::Vector2d& v, double angle);
 
+/// A pose on the floor that moves many points: its sine and cosine are computed once.
+class PlanarMotion {
+ public:
+  explicit PlanarMotion(const PlanarPose& X_AB);
+
+  /// X_AB * p_B, to the bit.
+  Eigen::Vector2d operator*(const Eigen::Vector2d& p_B) const {
+    return position_ + Eigen::Vector2d(c_ * p_B.x() - s_ * p_B.y(), s_ * p_B.x() + c_ * p_B.y());
+  }
+
+ private:
+  Eigen::Vector2d position_;
+  double c_, s_;
+};
+
 /// The frame on the floor below a camera (x right, y down, z forward): x along its view. What remains of X_WC after it
 /// is height and tilt alone.
 /// @pre the camera does not look straight up or down.

@@ -42,7 +42,7 @@ void BlurAwareFeature::detectAndCompute(cv::InputArray image, cv::InputArray mas
   CV_Assert(grey.empty() || grey.type() == CV_8UC1 || grey.type() == CV_8UC3);
   if (grey.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   Features features;
-  if (!grey.empty()) features = Extract(grey);
+  if (!grey.empty()) features = Extract(grey, kAllFeatures);
   if (!mask.empty()) features = Masked(features, mask.getMat());
   keypoints = std::move(features.keypoints);
   if (descriptors.needed()) {

@@ -27,12 +27,17 @@ class BlurAwareFeature : public cv::Feature2D {
                         cv::OutputArray descriptors, bool use_provided_keypoints = false) override;
   void detect(cv::InputArray image, std::vector<cv::KeyPoint>& keypoints, cv::InputArray mask) override;
 
+  /// The features of largest response, and few others: those of the `most` largest are all there.
+  /// @param grey CV_8UC1, not empty.
+  Features ExtractStrongest(const cv::Mat& grey, int most) { return Extract(grey, most); }
+
   int descriptorType() const override { return CV_32FC1; }
   int defaultNorm() const override { return cv::NORM_L2; }
 
  protected:
   /// @param grey CV_8UC1, not empty.
-  virtual Features Extract(const cv::Mat& grey) = 0;
+  /// @param most only so many of largest response are wanted, more may come; kAllFeatures: all.
+  virtual Features Extract(const cv::Mat& grey, int most) = 0;
 
   /// What was set, for an image of this size; empty if nothing was.
   std::vector<BlurRegion> KnownRegions(const cv::Size& image) const;

@@ -66,7 +66,8 @@ std::vector<Tile> MakeTiles(const cv::Mat& grey, const LineSpectra& spectra, con
       tile.log = MakeLogSpectrum(spectrum, kLowFrequency, kHighFrequency, LineSpectra::kRings);
       std::vector<float> floors = tile.log.floors;
       for (float& floor : floors) floor *= kFloorShare;
-      const LineSpectra::Templates templates = spectra.MakeTemplates(tile.log, floors, 0, options.max_extent_px);
+      const LineSpectra::Templates templates =
+          spectra.MakeTemplates(spectra.CountSamples(tile.log), floors, 0, options.max_extent_px);
       tile.score.resize(templates.norms.size(), kDirections);
       for (int i = 0; i < kDirections; ++i) {
         tile.score.col(i) = spectra.Correlate(tile.log, templates, M_PI * i / kDirections);

@@ -8,6 +8,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/fields.h"
+#include "algorithms/features/blur_aware_feature.h"
 #include "algorithms/features/mobif.h"
 #include "algorithms/features/mobif_adapt.h"
 #include "algorithms/features/mobif_restore.h"
@@ -76,6 +77,15 @@ std::vector<Entry> AllFeatures() {
   };
 }
 
+/// The strongest, and maybe others: our own detectors describe none in vain.
+Features FeaturesOf(cv::Feature2D& detector, const cv::Mat& grey, int max_features) {
+  auto* const own = dynamic_cast<BlurAwareFeature*>(&detector);
+  if (own && !grey.empty()) return own->ExtractStrongest(grey, max_features);
+  Features features;
+  detector.detectAndCompute(grey, cv::noArray(), features.keypoints, features.descriptors);
+  return features;
+}
+
 auto SortKey(const cv::KeyPoint& k) { return std::make_tuple(-k.response, k.pt.y, k.pt.x, k.size, k.angle, k.octave); }
 
 }  // namespace
@@ -100,9 +110,7 @@ Features DetectFeatures(cv::Feature2D& detector, const cv::Mat& image, int max_f
   GAITCAM_ASSERT(image.type() == CV_8UC1 || image.type() == CV_8UC3);
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
-  detector.detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
+  const auto [keypoints, descriptors] = FeaturesOf(detector, grey, max_features);
   // OpenCV keeps ties at the limit and promises no order: choose and order by value.
   std::vector<int> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0);

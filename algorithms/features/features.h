@@ -8,6 +8,7 @@
 
 #pragma once
 
+#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
 #include <string>
@@ -22,6 +23,9 @@ struct Features {
 
   int size() const { return int(keypoints.size()); }
 };
+
+/// For a number of features: as many as there are.
+constexpr int kAllFeatures = std::numeric_limits<int>::max();
 
 struct FeatureInfo {
   std::string name;

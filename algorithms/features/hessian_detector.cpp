@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core/hal/intrin.hpp>
 #include <optional>
 
 #include "algorithms/core/errors.h"
@@ -80,6 +81,20 @@ PointKind KindOf(const ScaleLevel& level, int x, int y, bool blob) {
   return curvature > 0 ? PointKind::kDark : PointKind::kBright;
 }
 
+/// Which of four pixels beat the threshold and their neighbours in the row and in the column: few are left to look at.
+/// @returns one bit for each.
+int MayBeExtrema(const float* row, size_t stride, float threshold, bool minima) {
+  using cv::v_load;
+  const cv::v_float32x4 here = v_load(row), left = v_load(row - 1), right = v_load(row + 1), up = v_load(row - stride),
+                        down = v_load(row + stride), limit = cv::v_setall_f32(threshold);
+  cv::v_float32x4 found = (here > limit) & (here > left) & (here > right) & (here > up) & (here > down);
+  if (minima) {
+    const cv::v_float32x4 low = cv::v_setall_f32(-threshold);
+    found = found | ((here < low) & (here < left) & (here < right) & (here < up) & (here < down));
+  }
+  return cv::v_signmask(found);
+}
+
 /// Extrema of one level, between its neighbours in scale.
 void FindExtrema(const ScaleOctave& octave, const std::vector<cv::Mat>& determinants, ScalePoint point,
                  const HessianOptions& options, std::vector<ScalePoint>& points) {
@@ -87,21 +102,31 @@ void FindExtrema(const ScaleOctave& octave, const std::vector<cv::Mat>& determin
   const Neighbourhood near{&determinants[l - 1], &determinants[l], &determinants[l + 1]};
   const double intervals = 1 / std::log2(octave.levels[1].sigma / octave.levels[0].sigma);
   const float threshold = float(options.threshold);
+  const auto look = [&](const float* row, int x, int y) {
+    const bool blob = row[x] > threshold, saddle = options.saddles && row[x] < -threshold;
+    if (!(blob || saddle) || !near.IsExtremum(x, y, blob ? 1.f : -1.f)) return;
+    if (blob && options.max_anisotropy > 0 && IsEdge(octave.levels[l], x, y, options.max_anisotropy)) return;
+    const std::optional<Eigen::Vector3f> offset = QuadraticPeak(near, x, y);
+    if (!offset) return;
+    point.x = float(x) + offset->x();
+    point.y = float(y) + offset->y();
+    point.scale = float(octave.levels[l].sigma * std::exp2(offset->z() / intervals));
+    point.response = std::abs(row[x]);
+    point.kind = KindOf(octave.levels[l], x, y, blob);
+    points.push_back(point);
+  };
+  constexpr int kFourPixels = 4;
+  const size_t stride = near.here->step1();
   for (int y = kBorder; y < near.here->rows - kBorder; ++y) {
     const float* row = near.here->ptr<float>(y);
-    for (int x = kBorder; x < near.here->cols - kBorder; ++x) {
-      const bool blob = row[x] > threshold, saddle = options.saddles && row[x] < -threshold;
-      if (!(blob || saddle) || !near.IsExtremum(x, y, blob ? 1.f : -1.f)) continue;
-      if (blob && options.max_anisotropy > 0 && IsEdge(octave.levels[l], x, y, options.max_anisotropy)) continue;
-      const std::optional<Eigen::Vector3f> offset = QuadraticPeak(near, x, y);
-      if (!offset) continue;
-      point.x = float(x) + offset->x();
-      point.y = float(y) + offset->y();
-      point.scale = float(octave.levels[l].sigma * std::exp2(offset->z() / intervals));
-      point.response = std::abs(row[x]);
-      point.kind = KindOf(octave.levels[l], x, y, blob);
-      points.push_back(point);
+    int x = kBorder;
+    for (; x + kFourPixels <= near.here->cols - kBorder; x += kFourPixels) {
+      const int which = MayBeExtrema(row + x, stride, threshold, options.saddles);
+      for (int k = 0; which >> k != 0; ++k) {
+        if ((which >> k & 1) != 0) look(row, x + k, y);
+      }
     }
+    for (; x < near.here->cols - kBorder; ++x) look(row, x, y);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core/hal/intrin.hpp>
 
 #include "algorithms/core/errors.h"
 
@@ -42,23 +43,48 @@ std::vector<double> SmearingKernel(int window_px, double step, int fine) {
   return kernel;
 }
 
-/// Takes from each value the mean over the values within `reach` of it; they go on mirrored below the first one.
-template <class Row>
-void SubtractRunningMean(Row&& row, double reach) {
-  const int n = int(row.size());
-  std::vector<double> sums(size_t(n) + 1, 0.0);
-  for (int b = 0; b < n; ++b) sums[size_t(b) + 1] = sums[size_t(b)] + double(row[b]);
-  const auto integral = [&](double x) {
-    const double y = std::min(double(n) - 1e-9, std::abs(x));
-    const size_t i = size_t(y);
-    const double value = sums[i] + (y - double(i)) * (sums[i + 1] - sums[i]);
-    return x < 0 ? -value : value;
-  };
-  for (int b = 0; b < n; ++b) {
-    const double low = b + 0.5 - reach, high = std::min(double(n), b + 0.5 + reach);
-    row[b] -= float((integral(high) - integral(low)) / (high - low));
+/// Takes from each value of a row the mean over the values within `reach` of it; they go on mirrored below the first
+/// one. What depends on the reach alone is computed once for many rows.
+class RunningMean {
+ public:
+  RunningMean(int n, double reach) : sums_(size_t(n) + 1, 0.0) {
+    const auto place = [n](double x) {
+      const double y = std::min(double(n) - 1e-9, std::abs(x));
+      return Place{size_t(y), y - double(size_t(y)), x < 0};
+    };
+    for (int b = 0; b < n; ++b) {
+      const double low = b + 0.5 - reach, high = std::min(double(n), b + 0.5 + reach);
+      windows_.push_back({place(low), place(high), high - low});
+    }
   }
-}
+
+  template <class Row>
+  void SubtractFrom(Row&& row) {
+    for (size_t b = 0; b < windows_.size(); ++b) sums_[b + 1] = sums_[b] + double(row[long(b)]);
+    for (size_t b = 0; b < windows_.size(); ++b) {
+      const Window& window = windows_[b];
+      row[long(b)] -= float((Integral(window.high) - Integral(window.low)) / window.width);
+    }
+  }
+
+ private:
+  struct Place {
+    size_t whole = 0;
+    double part = 0;
+    bool mirrored = false;
+  };
+  struct Window {
+    Place low, high;
+    double width = 0;
+  };
+  double Integral(const Place& at) const {
+    const double value = sums_[at.whole] + at.part * (sums_[at.whole + 1] - sums_[at.whole]);
+    return at.mirrored ? -value : value;
+  }
+
+  std::vector<Window> windows_;  ///< Of each value.
+  std::vector<double> sums_;     ///< Of the values before each.
+};
 
 }  // namespace
 
@@ -86,7 +112,64 @@ LineSpectra::LineSpectra(int window_px, double min_extent_px, double max_extent_
   }
 }
 
-LineSpectra::Templates LineSpectra::MakeTemplates(const LogSpectrum& log, const std::vector<float>& floors,
+/// Calls add(n, bin, value) for each sample, in their order, and each of the directions n.
+template <size_t N, class Add>
+void LineSpectra::ForEachBin(const LogSpectrum& log, const std::array<double, N>& directions_rad, Add add) const {
+  std::array<float, N> c, s;
+  for (size_t n = 0; n < N; ++n) {
+    c[n] = float(std::cos(directions_rad[n]) * kBins / high_frequency_);
+    s[n] = float(std::sin(directions_rad[n]) * kBins / high_frequency_);
+  }
+  constexpr size_t kAtOnce = cv::v_float32x4::nlanes;
+  size_t i = 0;
+  for (; i + kAtOnce <= log.samples.size(); i += kAtOnce) {
+    static_assert(sizeof(SpectrumSample) == 4 * sizeof(float));
+    cv::v_float32x4 fx, fy, value, ring;
+    cv::v_load_deinterleave(&log.samples[i].fx, fx, fy, value, ring);
+    alignas(16) int bins[N][kAtOnce];
+    for (size_t n = 0; n < N; ++n) {
+      const auto along = cv::v_trunc(cv::v_abs(fx * cv::v_setall_f32(c[n]) + fy * cv::v_setall_f32(s[n])));
+      cv::v_store_aligned(bins[n], cv::v_reinterpret_as_s32(ring) * cv::v_setall_s32(kBins) +
+                                       cv::v_min(cv::v_setall_s32(kBins - 1), along));
+    }
+    for (size_t k = 0; k < kAtOnce; ++k) {
+      for (size_t n = 0; n < N; ++n) add(n, bins[n][k], log.samples[i + k].value);
+    }
+  }
+  for (; i < log.samples.size(); ++i) {
+    const SpectrumSample& sample = log.samples[i];
+    for (size_t n = 0; n < N; ++n) {
+      const int along = int(std::abs(sample.fx * c[n] + sample.fy * s[n]));
+      add(n, sample.ring * kBins + std::min(kBins - 1, along), sample.value);
+    }
+  }
+}
+
+template <size_t N>
+std::array<Eigen::VectorXf, N> LineSpectra::MakeProfiles(const LogSpectrum& log,
+                                                         const std::array<double, N>& directions_rad) const {
+  std::array<Eigen::VectorXf, N> sums;
+  std::array<float*, N> values;
+  for (size_t n = 0; n < N; ++n) {
+    sums[n] = Eigen::VectorXf::Zero(kRings * kBins);
+    values[n] = sums[n].data();
+  }
+  ForEachBin(log, directions_rad, [&](size_t n, int bin, float value) { values[n][bin] += value; });
+  return sums;
+}
+
+Eigen::VectorXf LineSpectra::CountSamples(const LogSpectrum& log, double direction_rad) const {
+  Eigen::VectorXf counts = Eigen::VectorXf::Zero(kRings * kBins);
+  ForEachBin<1>(log, {direction_rad}, [&](size_t, int bin, float) { counts[bin] += 1.0f; });
+  return counts;
+}
+
+Eigen::VectorXf LineSpectra::CountSamples(const LogSpectrum& log) const {
+  constexpr double kAnyDirection = 0.6;
+  return CountSamples(log, kAnyDirection);
+}
+
+LineSpectra::Templates LineSpectra::MakeTemplates(const Eigen::VectorXf& counts, const std::vector<float>& floors,
                                                   double low_px, double high_px) const {
   GAITCAM_ASSERT(floors.size() == kRings);
   Templates t;
@@ -94,17 +177,16 @@ LineSpectra::Templates LineSpectra::MakeTemplates(const LogSpectrum& log, const 
   const int count = std::clamp(int((high_px - min_extent_px_) / kExtentStep) + 1, t.first + 1, extents_) - t.first;
   t.values.resize(kRings * kBins, count);
   t.norms.resize(count);
-  // How many samples there are in a bin hardly depends on the direction: take any.
-  const Eigen::VectorXf samples = MakeProfile(log, 0.6).count;
   for (int e = 0; e < count; ++e) {
     const double half_period = 0.5 / (min_extent_px_ + (t.first + e) * kExtentStep) / high_frequency_ * kBins;
+    RunningMean mean(kBins, half_period);
     float squares = 0;
     for (int r = 0; r < kRings; ++r) {
-      const auto weight = samples.segment<kBins>(r * kBins);
+      const auto weight = counts.segment<kBins>(r * kBins);
       auto ripple = t.values.col(e).segment<kBins>(r * kBins);
       const float floor = std::max(float(kMinFloor), floors[size_t(r)]);
       for (int b = 0; b < kBins; ++b) ripple[b] = std::log(power_(b, t.first + e) + floor);
-      SubtractRunningMean(ripple, half_period);
+      mean.SubtractFrom(ripple);
       const float total = weight.sum();
       if (total > 0) ripple.array() -= weight.dot(ripple) / total;
       squares += (weight.array() * ripple.array().square()).sum();
@@ -114,22 +196,24 @@ LineSpectra::Templates LineSpectra::MakeTemplates(const LogSpectrum& log, const 
   return t;
 }
 
-LineSpectra::Profile LineSpectra::MakeProfile(const LogSpectrum& log, double direction_rad) const {
-  Profile profile{Eigen::VectorXf::Zero(kRings * kBins), Eigen::VectorXf::Zero(kRings * kBins)};
-  const float c = float(std::cos(direction_rad) * kBins / high_frequency_);
-  const float s = float(std::sin(direction_rad) * kBins / high_frequency_);
-  for (const SpectrumSample& sample : log.samples) {
-    const int bin = sample.ring * kBins + std::min(kBins - 1, int(std::abs(sample.fx * c + sample.fy * s)));
-    profile.sum[bin] += sample.value;
-    profile.count[bin] += 1.0f;
+std::array<Eigen::VectorXf, 2> LineSpectra::Correlate(const LogSpectrum& log, const Templates& templates,
+                                                      const std::array<double, 2>& directions_rad) const {
+  const float length = log.deviation * std::sqrt(float(log.samples.size()));
+  std::array<Eigen::VectorXf, 2> correlations;
+  correlations.fill(Eigen::VectorXf::Zero(templates.norms.size()));
+  if (!(length > 0)) return correlations;
+  const auto profiles = MakeProfiles(log, directions_rad);
+  for (size_t n = 0; n < 2; ++n) {
+    const Eigen::VectorXf dots = templates.values.transpose() * profiles[n];
+    correlations[n] = dots.array() / (templates.norms.array() * length);
   }
-  return profile;
+  return correlations;
 }
 
 Eigen::VectorXf LineSpectra::Correlate(const LogSpectrum& log, const Templates& templates, double direction_rad) const {
   const float length = log.deviation * std::sqrt(float(log.samples.size()));
   if (!(length > 0)) return Eigen::VectorXf::Zero(templates.norms.size());
-  const Eigen::VectorXf dots = templates.values.transpose() * MakeProfile(log, direction_rad).sum;
+  const Eigen::VectorXf dots = templates.values.transpose() * MakeProfiles<1>(log, {direction_rad})[0];
   return dots.array() / (templates.norms.array() * length);
 }
 
@@ -185,20 +269,22 @@ std::vector<float> LineSpectra::MeasureFloors(const LogSpectrum& log, const Line
 }
 
 double LineSpectra::Agreement(const LogSpectrum& log, const Templates& templates, const LineFit& fit) const {
-  Profile profile = MakeProfile(log, fit.direction_rad);
+  Eigen::VectorXf sums = MakeProfiles<1>(log, {fit.direction_rad})[0];
+  Eigen::VectorXf counts = CountSamples(log, fit.direction_rad);
   const double row = (fit.extent_px - min_extent_px_) / kExtentStep - templates.first;
   const int nearest = std::clamp(int(std::lround(row)), 0, int(templates.norms.size()) - 1);
   // Any image with a main direction has a lobe in the middle: what tells blur is the first zero and what lies beyond.
   constexpr double kFromPeriod = 0.6;
   const int first = std::min(kBins - 1, int(kFromPeriod / fit.extent_px / high_frequency_ * kBins));
+  RunningMean mean(kBins, 0.5 / fit.extent_px / high_frequency_ * kBins);
   double dot = 0, seen = 0, expected = 0, cubes = 0, total = 0;
   for (int r = 0; r < kRings; ++r) {
-    auto values = profile.sum.segment<kBins>(r * kBins);
-    const auto weight = profile.count.segment<kBins>(r * kBins);
+    auto values = sums.segment<kBins>(r * kBins);
+    const auto weight = counts.segment<kBins>(r * kBins);
     for (int b = 0; b < kBins; ++b) values[b] = weight[b] > 0 ? values[b] / weight[b] : b > 0 ? values[b - 1] : 0;
-    SubtractRunningMean(values, 0.5 / fit.extent_px / high_frequency_ * kBins);
+    mean.SubtractFrom(values);
     const auto ripple = templates.values.col(nearest).segment<kBins>(r * kBins);
-    profile.count.segment(r * kBins, first).setZero();
+    counts.segment(r * kBins, first).setZero();
     dot += double((weight.array() * values.array() * ripple.array()).sum());
     seen += double((weight.array() * values.array().square()).sum());
     expected += double((weight.array() * ripple.array().square()).sum());

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "algorithms/features/log_spectrum.h"
@@ -38,12 +39,18 @@ class LineSpectra {
     Eigen::MatrixXf values;  ///< kRings * kBins rows, one column for each extent.
     Eigen::VectorXf norms;   ///< Euclidean norm of each over all samples.
   };
+  /// How many samples a spectrum has in each bin of each ring, which hardly depends on the direction of the lines.
+  Eigen::VectorXf CountSamples(const LogSpectrum& log) const;
+  /// @param counts CountSamples of the spectrum.
   /// @param floors of each ring: power in the zeros, in parts of that between them.
-  Templates MakeTemplates(const LogSpectrum& log, const std::vector<float>& floors, double low_px,
+  Templates MakeTemplates(const Eigen::VectorXf& counts, const std::vector<float>& floors, double low_px,
                           double high_px) const;
 
   /// Correlation of each of the templates with a spectrum, if the lines had this direction.
   Eigen::VectorXf Correlate(const LogSpectrum& log, const Templates& templates, double direction_rad) const;
+  /// The same for two directions, in less than twice the time.
+  std::array<Eigen::VectorXf, 2> Correlate(const LogSpectrum& log, const Templates& templates,
+                                           const std::array<double, 2>& directions_rad) const;
   /// The best of a range of correlations; between the extents of the table by a parabola.
   LineFit Best(const Templates& templates, const Eigen::VectorXf& correlations, int begin, int end) const;
   /// Number of the first template that is at least this long.
@@ -58,10 +65,13 @@ class LineSpectra {
   double Agreement(const LogSpectrum& log, const Templates& templates, const LineFit& fit) const;
 
  private:
-  struct Profile {
-    Eigen::VectorXf sum, count;  ///< kRings * kBins.
-  };
-  Profile MakeProfile(const LogSpectrum& log, double direction_rad) const;
+  /// Sums of the samples' values in each bin of each ring, by the frequency along each of N directions.
+  template <size_t N>
+  std::array<Eigen::VectorXf, N> MakeProfiles(const LogSpectrum& log,
+                                              const std::array<double, N>& directions_rad) const;
+  template <size_t N, class Add>
+  void ForEachBin(const LogSpectrum& log, const std::array<double, N>& directions_rad, Add add) const;
+  Eigen::VectorXf CountSamples(const LogSpectrum& log, double direction_rad) const;
 
   double min_extent_px_, high_frequency_;
   int extents_;

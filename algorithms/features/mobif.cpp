@@ -21,13 +21,14 @@ class Mobif : public BlurAwareFeature {
   int descriptorSize() const override { return SiftLength(options_.sift); }
 
  private:
-  Features Extract(const cv::Mat& grey) override {
+  Features Extract(const cv::Mat& grey, int most) override {
     const ScaleSpace space = WithoutBlur(grey, Regions(grey));
     HessianOptions hessian = options_.hessian;
     hessian.max_points =
         std::min(hessian.max_points, int(options_.points_per_megapixel * 1e-6 * double(grey.total())) + 1);
-    const Features features = DescribeSift(space, DetectHessian(space, hessian), options_.sift);
-    return options_.discard_low_entropy ? DiscardLowEntropy(features) : features;
+    const std::vector<ScalePoint> points = DetectHessian(space, hessian);
+    if (!options_.discard_low_entropy) return DescribeSift(space, points, options_.sift, most);
+    return DiscardLowEntropy(DescribeSift(space, points, options_.sift));
   }
 
   /// Known, or estimated: one blur for all of the image, or a field. What is too short is taken for sharp.

@@ -15,7 +15,7 @@ class MobifAdapt : public BlurAwareFeature {
   int descriptorSize() const override { return SiftLength(options_.sift); }
 
  private:
-  Features Extract(const cv::Mat& grey) override {
+  Features Extract(const cv::Mat& grey, int) override {
     cv::Mat light;
     grey.convertTo(light, CV_32F, 1 / 255.0);
     Features all;

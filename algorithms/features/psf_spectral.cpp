@@ -10,7 +10,7 @@ namespace gaitcam {
 namespace {
 
 constexpr int kMinSide = 64;
-constexpr int kDirections = 60;  ///< Of the first search: every 3 degrees.
+constexpr int kDirections = 60;  ///< Of the first search: every 3 degrees; even.
 /// The ripple of a short line is broad, and a structured image resembles it more easily: long lines are looked for
 /// apart from short ones, as many of these as of those.
 constexpr double kLongFrom = 12;
@@ -46,20 +46,22 @@ SpectralPsf::SpectralPsf(const SpectralOptions& options)
     : options_((options.Check(), options)),
       spectra_(options.window_px, options.min_extent_px, options.max_extent_px, options.high_frequency) {}
 
-std::vector<LineFit> SpectralPsf::Candidates(const LogSpectrum& log) const {
+std::vector<LineFit> SpectralPsf::Candidates(const LogSpectrum& log, const Eigen::VectorXf& counts) const {
   std::vector<float> floors = log.floors;
   for (float& floor : floors) floor *= kFloorShare;
   const LineSpectra::Templates templates =
-      spectra_.MakeTemplates(log, floors, options_.min_extent_px, options_.max_extent_px);
+      spectra_.MakeTemplates(counts, floors, options_.min_extent_px, options_.max_extent_px);
   const int all = int(templates.norms.size()), split = spectra_.Index(templates, kLongFrom);
   std::vector<LineFit> short_fits, long_fits;
-  for (int i = 0; i < kDirections; ++i) {
-    const double direction = M_PI * i / kDirections;
-    const Eigen::VectorXf correlations = spectra_.Correlate(log, templates, direction);
-    for (auto [fits, begin, end] : {std::tuple(&short_fits, 0, split), std::tuple(&long_fits, split, all)}) {
-      if (begin >= end) continue;
-      fits->push_back(spectra_.Best(templates, correlations, begin, end));
-      fits->back().direction_rad = direction;
+  for (int i = 0; i < kDirections; i += 2) {
+    const std::array<double, 2> directions = {M_PI * i / kDirections, M_PI * (i + 1) / kDirections};
+    const auto correlations = spectra_.Correlate(log, templates, directions);
+    for (size_t n = 0; n < directions.size(); ++n) {
+      for (auto [fits, begin, end] : {std::tuple(&short_fits, 0, split), std::tuple(&long_fits, split, all)}) {
+        if (begin >= end) continue;
+        fits->push_back(spectra_.Best(templates, correlations[n], begin, end));
+        fits->back().direction_rad = directions[n];
+      }
     }
   }
   std::vector<LineFit> candidates;
@@ -68,20 +70,21 @@ std::vector<LineFit> SpectralPsf::Candidates(const LogSpectrum& log) const {
   return candidates;
 }
 
-LineFit SpectralPsf::Refine(const LogSpectrum& log, LineFit fit, double& agreement) const {
-  const LineSpectra::Templates templates = spectra_.MakeTemplates(log, spectra_.MeasureFloors(log, fit, log.floors),
+LineFit SpectralPsf::Refine(const LogSpectrum& log, const Eigen::VectorXf& counts, LineFit fit,
+                            double& agreement) const {
+  const LineSpectra::Templates templates = spectra_.MakeTemplates(counts, spectra_.MeasureFloors(log, fit, log.floors),
                                                                   fit.extent_px - kReach, fit.extent_px + kReach);
-  const auto at = [&](double direction) {
-    const Eigen::VectorXf correlations = spectra_.Correlate(log, templates, direction);
+  const auto best = [&](const Eigen::VectorXf& correlations, double direction) {
     LineFit found = spectra_.Best(templates, correlations, 0, int(correlations.size()));
     found.direction_rad = direction;
     return found;
   };
-  fit = at(fit.direction_rad);
+  fit = best(spectra_.Correlate(log, templates, fit.direction_rad), fit.direction_rad);
   for (double step = 1.5 * kRadPerDeg; step > 0.1 * kRadPerDeg; step /= 2) {
-    const double middle = fit.direction_rad;
-    for (const double direction : {middle - step, middle + step}) {
-      const LineFit beside = at(direction);
+    const std::array<double, 2> directions = {fit.direction_rad - step, fit.direction_rad + step};
+    const auto correlations = spectra_.Correlate(log, templates, directions);
+    for (size_t n = 0; n < directions.size(); ++n) {
+      const LineFit beside = best(correlations[n], directions[n]);
       if (beside.correlation > fit.correlation) fit = beside;
     }
   }
@@ -96,9 +99,10 @@ BlurEstimate SpectralPsf::Estimate(const PowerSpectrum& spectrum) const {
       MakeLogSpectrum(spectrum, options_.low_frequency, options_.high_frequency, LineSpectra::kRings);
   LineFit best;
   double best_agreement = 0;
-  for (const LineFit& candidate : Candidates(log)) {
+  const Eigen::VectorXf counts = spectra_.CountSamples(log);
+  for (const LineFit& candidate : Candidates(log, counts)) {
     double agreement = 0;
-    const LineFit fit = Refine(log, candidate, agreement);
+    const LineFit fit = Refine(log, counts, candidate, agreement);
     if (agreement <= best_agreement) continue;
     best = fit;
     best_agreement = agreement;

@@ -48,8 +48,9 @@ class SpectralPsf : public PsfEstimator {
   BlurEstimate Estimate(const PowerSpectrum& spectrum) const;
 
  private:
-  std::vector<LineFit> Candidates(const LogSpectrum& log) const;
-  LineFit Refine(const LogSpectrum& log, LineFit fit, double& agreement) const;
+  /// @param counts LineSpectra::CountSamples of the spectrum.
+  std::vector<LineFit> Candidates(const LogSpectrum& log, const Eigen::VectorXf& counts) const;
+  LineFit Refine(const LogSpectrum& log, const Eigen::VectorXf& counts, LineFit fit, double& agreement) const;
 
   SpectralOptions options_;
   LineSpectra spectra_;

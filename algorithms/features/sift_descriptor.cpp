@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <opencv2/core/hal/hal.hpp>
+#include <opencv2/core/hal/intrin.hpp>
 
 #include "algorithms/core/errors.h"
 
@@ -16,23 +18,36 @@ constexpr int kSamples = kGrid * kGrid;
 constexpr int kOrientationBins = 36;  ///< Bins of the orientation histogram.
 constexpr int kCells = 4, kBins = 8;  ///< Descriptor: cells per side, directions per cell.
 
+using Four = cv::v_float32x4;  ///< Neighbouring samples.
+constexpr int kFour = Four::nlanes;
+
 /// Gradients at the sample points of a window.
 struct Samples {
   alignas(16) float gx[kSamples], gy[kSamples], magnitude[kSamples], angle[kSamples];
 
-  /// Bilinear; outside the image there is no gradient.
-  void Take(int i, const cv::Mat& gradients, float x, float y) {
-    const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-    if (x0 < 0 || y0 < 0 || x0 >= gradients.cols - 1 || y0 >= gradients.rows - 1) {
-      gx[i] = gy[i] = 0;
-      return;
-    }
-    const float a = x - float(x0), b = y - float(y0);
-    const float* p = gradients.ptr<float>(y0) + 2 * x0;
-    const float* q = gradients.ptr<float>(y0 + 1) + 2 * x0;
-    const float w00 = (1 - a) * (1 - b), w10 = a * (1 - b), w01 = (1 - a) * b, w11 = a * b;
-    gx[i] = w00 * p[0] + w10 * p[2] + w01 * q[0] + w11 * q[2];
-    gy[i] = w00 * p[1] + w10 * p[3] + w01 * q[1] + w11 * q[3];
+  /// Bilinear, for four samples from the i-th on; outside the image there is no gradient.
+  void Take(int i, const cv::Mat& gradients, const Four& x, const Four& y) {
+    const cv::v_int32x4 x0 = cv::v_trunc(x), y0 = cv::v_trunc(y);
+    const Four zero = cv::v_setzero_f32(), one = cv::v_setall_f32(1);
+    const auto inside = cv::v_reinterpret_as_f32((x0 < cv::v_setall_s32(gradients.cols - 1)) &
+                                                 (y0 < cv::v_setall_s32(gradients.rows - 1))) &
+                        (x >= zero) & (y >= zero);
+    alignas(16) int columns[kFour], rows[kFour];
+    const cv::v_int32x4 seen = cv::v_reinterpret_as_s32(inside);  // what is not, is taken from the corner
+    cv::v_store_aligned(columns, x0 & seen);
+    cv::v_store_aligned(rows, y0 & seen);
+    const float* const first = gradients.ptr<float>();
+    const size_t stride = gradients.step1();
+    const auto at = [&](int k) { return first + stride * size_t(rows[k]) + 2 * columns[k]; };
+    const float *const p0 = at(0), *const p1 = at(1), *const p2 = at(2), *const p3 = at(3);
+    Four x00, y00, x10, y10, x01, y01, x11, y11;  // (gx, gy) at x0 and at x0 + 1, in row y0 and below
+    cv::v_transpose4x4(cv::v_load(p0), cv::v_load(p1), cv::v_load(p2), cv::v_load(p3), x00, y00, x10, y10);
+    cv::v_transpose4x4(cv::v_load(p0 + stride), cv::v_load(p1 + stride), cv::v_load(p2 + stride),
+                       cv::v_load(p3 + stride), x01, y01, x11, y11);
+    const Four a = x - cv::v_cvt_f32(x0), b = y - cv::v_cvt_f32(y0);
+    const Four w00 = (one - a) * (one - b), w10 = a * (one - b), w01 = (one - a) * b, w11 = a * b;
+    cv::v_store_aligned(gx + i, (w00 * x00 + w10 * x10 + w01 * x01 + w11 * x11) & inside);
+    cv::v_store_aligned(gy + i, (w00 * y00 + w10 * y10 + w01 * y01 + w11 * y11) & inside);
   }
   /// Equation 5.10; angles in radians, [0, 2 pi).
   void ToPolar() {
@@ -43,8 +58,8 @@ struct Samples {
 
 /// What depends on a sample's place in the window alone.
 struct WindowWeights {
-  float offset[kGrid];  ///< Of the samples from the centre along one axis, in units of the scale.
-  float gaussian[kSamples];
+  alignas(16) float offset[kGrid];  ///< Of the samples from the centre along one axis, in units of the scale.
+  alignas(16) float gaussian[kSamples];
 
   WindowWeights(double window, double sigma) {
     for (int i = 0; i < kGrid; ++i) offset[i] = float((i - (kGrid - 1) / 2.0) * window / kGrid);
@@ -57,8 +72,8 @@ struct WindowWeights {
 
 /// Share of a sample's column (or row) in the two nearest cells: weight 1 - d, d in units of the cells' spacing.
 struct CellShares {
-  int cell[kGrid];     ///< The first of the two; -1 and kCells - 1 have one cell only.
-  float share[kGrid];  ///< Of the second.
+  int cell[kGrid];                 ///< The first of the two; -1 and kCells - 1 have one cell only.
+  alignas(16) float share[kGrid];  ///< Of the second.
 
   CellShares() {
     for (int i = 0; i < kGrid; ++i) {
@@ -78,18 +93,31 @@ class Describer {
 
   /// Radians.
   std::vector<float> Orientations(const cv::Mat& gradients, const ScalePoint& p) {
-    for (int j = 0, k = 0; j < kGrid; ++j)
-      for (int i = 0; i < kGrid; ++i, ++k)
-        samples_.Take(k, gradients, p.x + p.scale * orientation_.offset[i], p.y + p.scale * orientation_.offset[j]);
+    const Four scale = cv::v_setall_f32(p.scale), x = cv::v_setall_f32(p.x);
+    for (int j = 0; j < kGrid; ++j) {
+      const Four y = cv::v_setall_f32(p.y + p.scale * orientation_.offset[j]);
+      for (int i = 0; i < kGrid; i += kFour)
+        samples_.Take(j * kGrid + i, gradients, x + scale * cv::v_load_aligned(orientation_.offset + i), y);
+    }
     samples_.ToPolar();
     std::array<float, kOrientationBins> histogram{};
-    for (int k = 0; k < kSamples; ++k) {
+    for (int k = 0; k < kSamples; k += kFour) {
       // Shared between the two nearest bins, which the thesis does not say: orientations do not snap to 10 degrees.
-      const float place = samples_.angle[k] * float(kOrientationBins / (2 * CV_PI));
-      const int bin = int(place);
-      const float share = place - float(bin), weight = samples_.magnitude[k] * orientation_.gaussian[k];
-      histogram[size_t(bin % kOrientationBins)] += weight * (1 - share);
-      histogram[size_t((bin + 1) % kOrientationBins)] += weight * share;
+      const Four place =
+          cv::v_load_aligned(samples_.angle + k) * cv::v_setall_f32(float(kOrientationBins / (2 * CV_PI)));
+      const cv::v_int32x4 bin = cv::v_trunc(place);
+      const Four share = place - cv::v_cvt_f32(bin);
+      const Four weight = cv::v_load_aligned(samples_.magnitude + k) * cv::v_load_aligned(orientation_.gaussian + k);
+      alignas(16) int bins[kFour];
+      alignas(16) float first[kFour], second[kFour];
+      cv::v_store_aligned(bins, bin);
+      cv::v_store_aligned(first, weight * (cv::v_setall_f32(1) - share));
+      cv::v_store_aligned(second, weight * share);
+      for (int i = 0; i < kFour; ++i) {
+        const int at = bins[i] < kOrientationBins ? bins[i] : bins[i] - kOrientationBins;
+        histogram[size_t(at)] += first[i];
+        histogram[size_t(at + 1 < kOrientationBins ? at + 1 : 0)] += second[i];
+      }
     }
     return Peaks(Smoothed(Smoothed(histogram)));
   }
@@ -97,11 +125,13 @@ class Describer {
   /// Writes kSiftLength values of unit length.
   void Describe(const cv::Mat& gradients, const ScalePoint& p, float orientation, float* out) {
     const float c = std::cos(orientation) * p.scale, s = std::sin(orientation) * p.scale;
-    for (int j = 0, k = 0; j < kGrid; ++j) {
+    for (int j = 0; j < kGrid; ++j) {
       const float v = descriptor_.offset[j];
-      for (int i = 0; i < kGrid; ++i, ++k) {
-        const float u = descriptor_.offset[i];
-        samples_.Take(k, gradients, p.x + c * u - s * v, p.y + s * u + c * v);
+      for (int i = 0; i < kGrid; i += kFour) {
+        const Four u = cv::v_load_aligned(descriptor_.offset + i);
+        const Four x = cv::v_setall_f32(p.x) + cv::v_setall_f32(c) * u - cv::v_setall_f32(s * v);
+        const Four y = cv::v_setall_f32(p.y) + cv::v_setall_f32(s) * u + cv::v_setall_f32(c * v);
+        samples_.Take(j * kGrid + i, gradients, x, y);
       }
     }
     samples_.ToPolar();
@@ -137,24 +167,47 @@ class Describer {
   /// frame around them that catches what falls outside.
   void Accumulate(float orientation) {
     std::memset(cells_, 0, sizeof(cells_));
-    for (int k = 0; k < kSamples; ++k) {
-      float direction = (samples_.angle[k] - orientation) * float(kBins / (2 * CV_PI));
-      const float turn = std::floor(direction);
-      const float share = direction - turn;
-      const int first = int(turn) & (kBins - 1), second = (first + 1) & (kBins - 1);
-      const int row = k / kGrid, column = k % kGrid;
-      const float m = samples_.magnitude[k] * descriptor_.gaussian[k];
-      const float fx = shares_.share[column], fy = shares_.share[row];
-      float* cell = cells_[shares_.cell[row] + 1][shares_.cell[column] + 1];
-      const auto add = [&](float* bins, float weight) {
-        bins[first] += weight * (1 - share);
-        bins[second] += weight * share;
-      };
-      add(cell, m * (1 - fx) * (1 - fy));
-      add(cell + kBins, m * fx * (1 - fy));
-      add(cell + (kCells + 2) * kBins, m * (1 - fx) * fy);
-      add(cell + (kCells + 3) * kBins, m * fx * fy);
+    const Four one = cv::v_setall_f32(1);
+    for (int k = 0; k < kSamples; k += kFour) {
+      const Four direction = (cv::v_load_aligned(samples_.angle + k) - cv::v_setall_f32(orientation)) *
+                             cv::v_setall_f32(float(kBins / (2 * CV_PI)));
+      const cv::v_int32x4 turn = cv::v_floor(direction);
+      const Four share = direction - cv::v_cvt_f32(turn), rest = one - share;
+      const Four m = cv::v_load_aligned(samples_.magnitude + k) * cv::v_load_aligned(descriptor_.gaussian + k);
+      const Four fx = cv::v_load_aligned(shares_.share + k % kGrid), fy = cv::v_setall_f32(shares_.share[k / kGrid]);
+      const Four left = m * (one - fx), right = m * fx;
+      alignas(16) int bins[kFour];
+      cv::v_store_aligned(bins, turn & cv::v_setall_s32(kBins - 1));
+      alignas(16) float of_first[kFour][4], of_second[kFour][4];  // of each sample to the four cells
+      ToCells(left * (one - fy) * rest, right * (one - fy) * rest, left * fy * rest, right * fy * rest, of_first);
+      ToCells(left * (one - fy) * share, right * (one - fy) * share, left * fy * share, right * fy * share, of_second);
+      for (int i = 0; i < kFour; ++i) Add(k + i, bins[i], of_first[i], of_second[i]);
     }
+  }
+
+  /// Of each cell four samples, to of each sample four cells.
+  static void ToCells(const Four& a, const Four& b, const Four& c, const Four& d, float (&out)[kFour][4]) {
+    Four s0, s1, s2, s3;
+    cv::v_transpose4x4(a, b, c, d, s0, s1, s2, s3);
+    cv::v_store_aligned(out[0], s0);
+    cv::v_store_aligned(out[1], s1);
+    cv::v_store_aligned(out[2], s2);
+    cv::v_store_aligned(out[3], s3);
+  }
+
+  /// A sample to the cells around it.
+  void Add(int k, int bin, const float* first, const float* second) {
+    float* const upper = cells_[shares_.cell[k / kGrid] + 1][shares_.cell[k % kGrid] + 1];
+    float* const lower = upper + (kCells + 2) * kBins;
+    const int next = (bin + 1) & (kBins - 1);
+    upper[bin] += first[0];
+    upper[next] += second[0];
+    upper[kBins + bin] += first[1];
+    upper[kBins + next] += second[1];
+    lower[bin] += first[2];
+    lower[next] += second[2];
+    lower[kBins + bin] += first[3];
+    lower[kBins + next] += second[3];
   }
 
   void Normalise(float* out) const {
@@ -187,7 +240,12 @@ cv::Mat Gradients(const cv::Mat& light) {
   for (int y = 1; y < light.rows - 1; ++y) {
     const float *row = light.ptr<float>(y), *up = light.ptr<float>(y - 1), *down = light.ptr<float>(y + 1);
     float* out = gradients.ptr<float>(y);
-    for (int x = 1; x < light.cols - 1; ++x) {
+    int x = 1;
+    for (; x + kFour <= light.cols - 1; x += kFour) {
+      cv::v_store_interleave(out + 2 * x, cv::v_load(row + x + 1) - cv::v_load(row + x - 1),
+                             cv::v_load(down + x) - cv::v_load(up + x));
+    }
+    for (; x < light.cols - 1; ++x) {
       out[2 * x] = row[x + 1] - row[x - 1];
       out[2 * x + 1] = down[x] - up[x];
     }
@@ -200,19 +258,52 @@ int SiftLength(const SiftOptions& options) {
   return kSiftLength + (options.kind_weight > 0 ? kKinds : 0);
 }
 
-Features DescribeSift(const ScaleSpace& space, const std::vector<ScalePoint>& points, const SiftOptions& options) {
+namespace {
+
+/// Of the levels of a scale space, each computed when it is first asked for.
+class LevelGradients {
+ public:
+  explicit LevelGradients(const ScaleSpace& space) : space_(space) {}
+
+  const cv::Mat& operator()(const ScalePoint& p) {
+    gradients_.resize(space_.size());
+    std::vector<cv::Mat>& octave = gradients_[size_t(p.octave)];
+    octave.resize(space_[size_t(p.octave)].levels.size());
+    cv::Mat& level = octave[size_t(p.level)];
+    if (level.empty()) level = Gradients(space_[size_t(p.octave)].levels[size_t(p.level)].light);
+    return level;
+  }
+
+ private:
+  const ScaleSpace& space_;
+  std::vector<std::vector<cv::Mat>> gradients_;  ///< By octave and level.
+};
+
+/// As they are given, or if not all features are wanted, those of largest response first.
+std::vector<int> OrderToDescribe(const std::vector<ScalePoint>& points, int most) {
+  std::vector<int> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (most == kAllFeatures) return order;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return points[size_t(a)].response > points[size_t(b)].response; });
+  return order;
+}
+
+}  // namespace
+
+Features DescribeSift(const ScaleSpace& space, const std::vector<ScalePoint>& points, const SiftOptions& options,
+                      int most) {
   CheckFields(options);
   Describer describer(options);
+  LevelGradients gradients_of(space);
   Features features;
   std::vector<float> rows;
   const int length = SiftLength(options);
-  cv::Mat gradients;
-  int of_octave = -1, of_level = -1;
-  for (const ScalePoint& p : points) {
+  for (const int i : OrderToDescribe(points, most)) {
+    const ScalePoint& p = points[size_t(i)];
+    if (features.size() >= most && p.response < features.keypoints.back().response) break;
     const ScaleOctave& octave = space[size_t(p.octave)];
-    if (p.octave != of_octave || p.level != of_level) gradients = Gradients(octave.levels[size_t(p.level)].light);
-    of_octave = p.octave;
-    of_level = p.level;
+    const cv::Mat& gradients = gradients_of(p);
     for (const float orientation : describer.Orientations(gradients, p)) {
       const size_t row = rows.size();
       rows.resize(row + size_t(length), 0);

@@ -51,6 +51,9 @@ cv::Mat Gradients(const cv::Mat& light);
 /// `size` is twice the scale (a radius would be the scale), `angle` in degrees as OpenCV has it (clockwise on the
 /// screen), `octave` the index in the scale space. Descriptors have length 1.
 /// @param points as DetectHessian orders them.
-Features DescribeSift(const ScaleSpace& space, const std::vector<ScalePoint>& points, const SiftOptions& options);
+/// @param most kAllFeatures, or else points are described in the order of their responses, the largest first, until no
+/// further one can be among the `most` features of largest response.
+Features DescribeSift(const ScaleSpace& space, const std::vector<ScalePoint>& points, const SiftOptions& options,
+                      int most = kAllFeatures);
 
 }  // namespace gaitcam

@@ -1,5 +1,5 @@
 /// Bundle adjustment: camera poses and point positions together, from the points' images (B. Triggs, P. McLauchlan,
-/// R. Hartley and A. Fitzgibbon, "Bundle adjustment: a modern synthesis", 2000; solved by Ceres).
+/// R. Hartley and A. Fitzgibbon, "Bundle adjustment: a modern synthesis", 2000).
 
 #pragma once
 

@@ -76,51 +76,81 @@ std::optional<Eigen::Vector2d> ProjectInverseDepth(const Pose& X_WA, const Eigen
   return h.hnormalized();
 }
 
+std::optional<InverseDepthCamera::Sight> InverseDepthCamera::See(const AnchoredPoint& point) const {
+  const Eigen::Vector3d baseline = point.anchor_W - position_W_;
+  Sight sight;
+  sight.h = R_CW_ * (point.ray_W + point.rho * baseline);
+  const Eigen::Vector3d& h = sight.h;
+  if (!(h.z() > kMinDepth)) return {};
+  sight.xy = h.hnormalized();
+  sight.d_xy << 1 / h.z(), 0, -h.x() / (h.z() * h.z()), 0, 1 / h.z(), -h.y() / (h.z() * h.z());
+  sight.d_rho = sight.d_xy * (R_CW_ * baseline);
+  return sight;
+}
+
+std::optional<Eigen::Vector2d> InverseDepthCamera::Project(const AnchoredPoint& point) const {
+  const Eigen::Vector3d h = R_CW_ * (point.ray_W + point.rho * (point.anchor_W - position_W_));
+  if (!(h.z() > kMinDepth)) return {};
+  return h.hnormalized();
+}
+
+Eigen::Matrix<double, 2, 6> InverseDepthCamera::Sight::DerivativeByCamera(double rho) const {
+  Eigen::Matrix<double, 2, 6> J;
+  J << -rho * d_xy, d_xy * Hat(h);
+  return J;
+}
+
 std::optional<InverseDepthProjection> LinearizeInverseDepth(const Pose& X_WA, const Eigen::Vector2d& xy, double rho,
                                                             const Pose& X_WC) {
-  const Eigen::Matrix3d R_A = X_WA.R(), R_CW = X_WC.R().transpose();
-  const Eigen::Vector3d b = xy.homogeneous(), baseline = X_WA.translation - X_WC.translation;
-  const Eigen::Vector3d h = R_CW * (R_A * b + rho * baseline);
-  if (!(h.z() > kMinDepth)) return {};
+  const Eigen::Matrix3d R_A = X_WA.R();
+  const InverseDepthCamera camera(X_WC);
+  const auto sight = camera.See({R_A, X_WA.translation, xy, rho});
+  if (!sight) return {};
+  const Eigen::Matrix3d R_CA = camera.R_CW() * R_A;
   InverseDepthProjection out;
-  out.xy = h.hnormalized();
-  Eigen::Matrix<double, 2, 3> d_h;
-  d_h << 1 / h.z(), 0, -h.x() / (h.z() * h.z()), 0, 1 / h.z(), -h.y() / (h.z() * h.z());
-  const Eigen::Matrix3d R_CA = R_CW * R_A;
-  out.d_anchor << rho * d_h * R_CA, -d_h * R_CA * Hat(b);
-  out.d_camera << -rho * d_h, d_h * Hat(h);
-  out.d_xy = d_h * R_CA.leftCols<2>();
-  out.d_rho = d_h * (R_CW * baseline);
+  out.xy = sight->xy;
+  out.d_anchor << rho * sight->d_xy * R_CA, -sight->d_xy * R_CA * Hat(xy.homogeneous());
+  out.d_camera = sight->DerivativeByCamera(rho);
+  out.d_xy = sight->d_xy * R_CA.leftCols<2>();
+  out.d_rho = sight->d_rho;
   return out;
 }
 
+double Mahalanobis2(const InverseDepthSighting& sighting, const InverseDepthCamera& camera) {
+  const auto sight = camera.See(AnchoredPoint(sighting.point));
+  if (!sight) return std::numeric_limits<double>::infinity();
+  const Eigen::Vector2d e = sight->xy - sighting.xy;
+  return e.dot(Covariance(sighting, sight->d_rho).inverse() * e);
+}
+
 double Mahalanobis2(const InverseDepthSighting& sighting, const Pose& X_WC) {
-  const InverseDepthPoint& point = sighting.point;
-  const auto projection = LinearizeInverseDepth(point.X_WA, point.xy, point.rho, X_WC);
-  if (!projection) return std::numeric_limits<double>::infinity();
-  const Eigen::Vector2d e = projection->xy - sighting.xy;
-  return e.dot(Covariance(sighting, projection->d_rho).inverse() * e);
+  return Mahalanobis2(sighting, InverseDepthCamera(X_WC));
 }
 
 Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
                 double huber, const std::optional<PositionPrior>& prior) {
   Pose pose = X_WC;
   constexpr int kMaxSteps = 10;
-  constexpr double kConverged = 1e-9, kMaxTurn = 0.5;  // rad; the linearisation holds no further
+  constexpr double kConverged = 1e-6, kMaxTurn = 0.5;  // rad; the linearisation holds no further
+  std::vector<AnchoredPoint> points;
+  points.reserve(use.size());
+  for (const int i : use) points.emplace_back(sightings[size_t(i)].point);
   for (int step = 0; step < kMaxSteps; ++step) {
     Matrix6d H = Matrix6d::Zero();
     Vector6d g = Vector6d::Zero();
-    for (const int i : use) {
-      const InverseDepthSighting& sighting = sightings[size_t(i)];
-      const InverseDepthPoint& point = sighting.point;
-      const auto projection = LinearizeInverseDepth(point.X_WA, point.xy, point.rho, pose);
-      if (!projection) continue;
-      const Eigen::Matrix2d information = Covariance(sighting, projection->d_rho).inverse();
-      const Eigen::Vector2d e = projection->xy - sighting.xy;
+    const InverseDepthCamera camera(pose);
+    for (size_t k = 0; k < use.size(); ++k) {
+      const InverseDepthSighting& sighting = sightings[size_t(use[k])];
+      const auto sight = camera.See(points[k]);
+      if (!sight) continue;
+      const Eigen::Matrix2d information = Covariance(sighting, sight->d_rho).inverse();
+      const Eigen::Vector2d e = sight->xy - sighting.xy;
       const double distance = std::sqrt(e.dot(information * e));
       const double weight = distance > huber ? huber / distance : 1.0;
-      H += weight * projection->d_camera.transpose() * information * projection->d_camera;
-      g += weight * projection->d_camera.transpose() * information * e;
+      const Eigen::Matrix<double, 2, 6> J = sight->DerivativeByCamera(points[k].rho);
+      const Eigen::Matrix<double, 6, 2> weighted = weight * J.transpose() * information;
+      H += weighted * J;
+      g += weighted * e;
     }
     if (prior) {
       const double information = 1 / (prior->sigma * prior->sigma);
@@ -143,13 +173,19 @@ TurnResult EstimateTurn(const std::vector<InverseDepthSighting>& sightings, cons
   const std::vector<DirectionPair> pairs = DirectionPairs(sightings, prior, field);
   const int n = int(pairs.size());
   if (n < 3) return result;
-  const auto judge = [&](const Eigen::Matrix3d& R_WC) {
+  std::vector<double> rest(pairs.size() + 1, 0.0);  // what those from each on can gain at most, rounding included
+  constexpr double kRounding = 1e-9;
+  for (size_t i = pairs.size(); i-- > 0;) rest[i] = rest[i + 1] + (1 + kRounding) * pairs[i].gain;
+  double best_gain = -1;
+  const auto judge = [&](const Eigen::Matrix3d& R_WC) {  // stops where it is clear that another is better
     double gain = 0;
-    for (const DirectionPair& pair : pairs) gain += pair.Gain(R_WC);
+    for (size_t i = 0; i < pairs.size() && (1 + kRounding) * gain + rest[i] >= best_gain; ++i) {
+      gain += pairs[i].Gain(R_WC);
+    }
     return gain;
   };
   Eigen::Matrix3d best = guess.toRotationMatrix();
-  double best_gain = judge(best);
+  best_gain = judge(best);
   constexpr int kSamples = 1000;      // most are rejected at once: their angles differ
   constexpr double kWork = 100000.0;  // sightings judged in all
   int judged = 0;

@@ -50,9 +50,51 @@ std::optional<Eigen::Vector2d> ProjectInverseDepth(const Pose& X_WA, const Eigen
 std::optional<InverseDepthProjection> LinearizeInverseDepth(const Pose& X_WA, const Eigen::Vector2d& xy, double rho,
                                                             const Pose& X_WC);
 
+/// What equation 1 has of a point and its anchor: the same for every camera C.
+struct AnchoredPoint {
+  Eigen::Vector3d ray_W;     ///< R_A (x, y, 1)^T.
+  Eigen::Vector3d anchor_W;  ///< t_A.
+  double rho = 0;
+
+  /// @param R_WA the anchor's rotation; @param xy the ray in the anchor.
+  AnchoredPoint(const Eigen::Matrix3d& R_WA, const Eigen::Vector3d& position_W, const Eigen::Vector2d& xy,
+                double inverse_depth)
+      : ray_W(R_WA * Eigen::Vector3d(xy.x(), xy.y(), 1)), anchor_W(position_W), rho(inverse_depth) {}
+  explicit AnchoredPoint(const InverseDepthPoint& point)
+      : AnchoredPoint(point.X_WA.R(), point.X_WA.translation, point.xy, point.rho) {}
+};
+
+/// Camera C of equation 1, for many points: what does not depend on the point is computed once.
+class InverseDepthCamera {
+ public:
+  explicit InverseDepthCamera(const Pose& X_WC) : R_CW_(X_WC.R().transpose()), position_W_(X_WC.translation) {}
+
+  /// A point in the image.
+  struct Sight {
+    Eigen::Vector2d xy;
+    Eigen::Vector3d h;                 ///< Equation 1.
+    Eigen::Matrix<double, 2, 3> d_xy;  ///< Of xy by h.
+    Eigen::Vector2d d_rho;             ///< Of xy by rho.
+
+    /// Of xy by X_WC Exp(rho, phi).
+    Eigen::Matrix<double, 2, 6> DerivativeByCamera(double rho) const;
+  };
+  /// @returns nothing if the point is behind.
+  std::optional<Sight> See(const AnchoredPoint& point) const;
+  /// Its place in the image alone.
+  std::optional<Eigen::Vector2d> Project(const AnchoredPoint& point) const;
+
+  const Eigen::Matrix3d& R_CW() const { return R_CW_; }
+
+ private:
+  Eigen::Matrix3d R_CW_;
+  Eigen::Vector3d position_W_;
+};
+
 /// Squared distance between measurement and projection in standard deviations, the point's own uncertainty counted in:
 /// covariance (sigma^2 + xy_sigma^2) I + d_rho rho_sigma^2 d_rho^T, the two cameras' scales being about the same.
 /// Chi-square with 2 degrees of freedom for true pairs; infinity for a point behind the camera.
+double Mahalanobis2(const InverseDepthSighting& sighting, const InverseDepthCamera& camera);
 double Mahalanobis2(const InverseDepthSighting& sighting, const Pose& X_WC);
 
 /// Prior of a camera's position.

@@ -63,7 +63,7 @@ void KeyframeMap::Observe(int keyframe, const FrameView& view, const std::vector
     landmark.last_keyframe = keyframe;
     if (landmark.observations.size() == 1) Triangulate(landmark);
     view.features.descriptors.row(match.feature).copyTo(landmark.descriptor);
-    landmark.descriptor.copyTo(landmark.latest);
+    landmark.latest.release();
   }
 }
 
@@ -106,7 +106,6 @@ void KeyframeMap::AddLandmarks(int keyframe, const FrameView& view, const std::v
       landmark.rho_sigma = kPriorSpread * known->rho;
     }
     landmark.descriptor = view.features.descriptors.row(int(i)).clone();
-    landmark.latest = landmark.descriptor.clone();
     landmarks_.push_back(std::move(landmark));
   }
 }

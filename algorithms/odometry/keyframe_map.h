@@ -40,9 +40,10 @@ struct Landmark {
   double prior_rho = 0, prior_sigma = 0;
   std::vector<LandmarkObservation> observations;  ///< By later keyframes, in order.
   cv::Mat descriptor;                             ///< One row: of the last keyframe that saw it.
-  cv::Mat latest;                                 ///< One row: of the last frame that saw it, which may be blurred.
-  int last_keyframe = 0;                          ///< The last that saw it.
-  bool has_depth_prior = false;                   ///< A DepthPrior was given when it was added.
+  /// One row: of the last frame that saw it, which may be blurred; empty if that is the last keyframe.
+  cv::Mat latest;
+  int last_keyframe = 0;         ///< The last that saw it.
+  bool has_depth_prior = false;  ///< A DepthPrior was given when it was added.
 
   /// Its depth is known to 30 % or better.
   bool HasDepth() const { return (has_depth_prior || !observations.empty()) && rho > 0 && rho_sigma < 0.3 * rho; }

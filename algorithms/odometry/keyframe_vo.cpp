@@ -1,5 +1,6 @@
 #include "algorithms/odometry/keyframe_vo.h"
 
+#include <deque>
 #include <optional>
 #include <utility>
 
@@ -32,6 +33,7 @@ class KeyframeVo::Tracker {
         options_(options),
         detector_(MakeFeature2d(options.feature, options.sensitivity)),
         random_(seed, "frame_to_frame_vo"),  // an old name: with another all results would be other samples
+        random_of_backlog_(seed, "backlog"),
         initializer_(camera_, options.initializer),
         localizer_(camera_.fx, options.initializer.matching.ratio, options.localizer),
         policy_(options.policy, camera_.fx, options.localizer.min_inliers),
@@ -40,10 +42,14 @@ class KeyframeVo::Tracker {
   FrameEstimate Track(const Observation& observation) {
     const FrameEstimate answer = Answer(observation);
     records_.Add(answer, map_);
-    if (HasMap() && !waiting_.empty()) LocalizeWaiting(observation.stamp_ns);
+    if (HasMap() && !waiting_.empty()) BeginBacklog(observation.stamp_ns);
+    LocalizeOneOfBacklog();
     return answer;
   }
-  std::vector<FrameEstimate> Finish() const { return records_.Finish(map_); }
+  std::vector<FrameEstimate> Finish() {
+    LocalizeBacklog();
+    return records_.Finish(map_);
+  }
 
  private:
   /// A frame that has no pose in the map yet.
@@ -51,6 +57,20 @@ class KeyframeVo::Tracker {
     size_t record = 0;  ///< Index in records_.
     FrameView view;
     int64_t stamp_ns = 0;
+  };
+
+  /// Frames before a map's first pose, localised from the latest back to the first.
+  struct Backlog {
+    std::vector<PendingFrame> frames;  ///< In time order: the last one is next.
+    StampedPose next_to;               ///< The pose found last, of the frame after it.
+    double median_depth = 1, expected_inliers = 0;
+    size_t present = 0, first = 0;  ///< Records of the map's first pose, and of the first frame that got one.
+  };
+  /// A frame between two that have poses.
+  struct MissedFrame {
+    PendingFrame frame;
+    StampedPose before, after;
+    double median_depth = 1, expected_inliers = 0;
   };
 
   bool HasMap() const { return map_.LatestKeyframe() >= 0; }
@@ -68,15 +88,19 @@ class KeyframeVo::Tracker {
   void Extend(FrameView& view, int64_t stamp_ns);
   void AddKeyframe(FrameView& view);
   void Postpone(const FrameView& view, int64_t stamp_ns);
-  void LocalizeWaiting(int64_t stamp_ns);
-  void LocalizeMissed(const FrameView& view, int64_t stamp_ns);
+  void QueueMissed(const FrameView& view, int64_t stamp_ns);
+  void BeginBacklog(int64_t stamp_ns);
+  void LocalizeOneOfBacklog();
+  void LocalizeBacklog();
+  void LocalizeWaiting();
+  void LocalizeMissed();
   void GiveUpMap();
 
   Calibration calibration_;
   CameraModel camera_;
   KeyframeVoOptions options_;
   cv::Ptr<cv::Feature2D> detector_;
-  RandomStream random_;
+  RandomStream random_, random_of_backlog_;  ///< What is found later changes nothing of what is found at once.
 
   MapInitializer initializer_;
   LandmarkLocalizer localizer_;
@@ -93,6 +117,8 @@ class KeyframeVo::Tracker {
   Pose X_WR_;                           ///< Of the initialiser's reference.
   std::vector<PendingFrame> waiting_;   ///< Since the initialiser's reference, while there is no map.
   std::vector<PendingFrame> missed_;    ///< Since the last frame that was localised in the map.
+  Backlog backlog_;                     ///< What waited for the present map.
+  std::deque<MissedFrame> found_late_;  ///< Missed ones, now between two poses.
 };
 
 FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
@@ -169,7 +195,7 @@ void KeyframeVo::Tracker::Extend(FrameView& view, int64_t stamp_ns) {
   } else {
     map_.Refresh(view, inliers_);
   }
-  LocalizeMissed(view, stamp_ns);
+  QueueMissed(view, stamp_ns);
 }
 
 /// In the map.
@@ -200,38 +226,63 @@ void KeyframeVo::Tracker::Postpone(const FrameView& view, int64_t stamp_ns) {
   if (pending.size() < kMaxFrames) pending.push_back({records_.size(), view, stamp_ns});
 }
 
-/// Frames before the map's first pose, from the latest back to the first, for the final estimate.
-void KeyframeVo::Tracker::LocalizeWaiting(int64_t stamp_ns) {
-  PosePrediction prediction;
-  prediction.X_WC = last_->pose;
-  prediction.expected_inliers = double(inliers_.size());
+/// Those that waited for the map can be localised in it now.
+void KeyframeVo::Tracker::BeginBacklog(int64_t stamp_ns) {
   const size_t present = records_.size() - 1;
-  size_t first = present;
-  for (auto frame = waiting_.rbegin(); frame != waiting_.rend(); ++frame) {
-    prediction.prior =
-        localizer_.PredictPosition(prediction.X_WC.translation, stamp_ns - frame->stamp_ns, median_depth_);
-    const auto localized = localizer_.LocalizeWithNoise(map_, frame->view, prediction, 1, random_);
-    if (!localized || !LandmarkLocalizer::IsWithinReach(*prediction.prior, localized->X_WC)) continue;
-    prediction.X_WC = localized->X_WC;
-    stamp_ns = frame->stamp_ns;
-    first = frame->record;
-    records_.SetPose(first, *localized, map_);
-  }
-  records_.MoveRestart(present, first);
+  backlog_ = {std::move(waiting_), {stamp_ns, last_->pose}, median_depth_, double(inliers_.size()), present, present};
   waiting_.clear();
 }
 
-/// Frames between the last pose and this one, for the final estimate.
-void KeyframeVo::Tracker::LocalizeMissed(const FrameView& view, int64_t stamp_ns) {
-  for (const PendingFrame& frame : missed_) {
-    const auto localized = localizer_.LocalizeBetween(map_, frame.view, frame.stamp_ns, *last_, {stamp_ns, view.X_WC},
-                                                      median_depth_, policy_.mean_inliers(), random_);
-    if (localized) records_.SetPose(frame.record, *localized, map_);
+/// Those that were missed lie between the last pose and this one.
+void KeyframeVo::Tracker::QueueMissed(const FrameView& view, int64_t stamp_ns) {
+  for (PendingFrame& frame : missed_) {
+    found_late_.push_back(
+        {std::move(frame), *last_, {stamp_ns, view.X_WC}, median_depth_, double(policy_.mean_inliers())});
   }
   missed_.clear();
 }
 
+/// For the final estimate alone; one with every frame, so that none takes much longer than others.
+void KeyframeVo::Tracker::LocalizeOneOfBacklog() {
+  if (!found_late_.empty()) {
+    LocalizeMissed();
+  } else if (!backlog_.frames.empty()) {
+    LocalizeWaiting();
+  }
+}
+
+void KeyframeVo::Tracker::LocalizeBacklog() {
+  while (!found_late_.empty() || !backlog_.frames.empty()) LocalizeOneOfBacklog();
+}
+
+void KeyframeVo::Tracker::LocalizeWaiting() {
+  const PendingFrame frame = std::move(backlog_.frames.back());
+  backlog_.frames.pop_back();
+  PosePrediction prediction;
+  prediction.X_WC = backlog_.next_to.pose;
+  prediction.expected_inliers = backlog_.expected_inliers;
+  prediction.prior = localizer_.PredictPosition(prediction.X_WC.translation, backlog_.next_to.stamp_ns - frame.stamp_ns,
+                                                backlog_.median_depth);
+  const auto localized = localizer_.LocalizeWithNoise(map_, frame.view, prediction, 1, random_of_backlog_);
+  if (localized && LandmarkLocalizer::IsWithinReach(*prediction.prior, localized->X_WC)) {
+    backlog_.next_to = {frame.stamp_ns, localized->X_WC};
+    backlog_.first = frame.record;
+    records_.SetPose(frame.record, *localized, map_);
+  }
+  if (backlog_.frames.empty()) records_.MoveRestart(backlog_.present, backlog_.first);
+}
+
+void KeyframeVo::Tracker::LocalizeMissed() {
+  const MissedFrame missed = std::move(found_late_.front());
+  found_late_.pop_front();
+  const auto localized =
+      localizer_.LocalizeBetween(map_, missed.frame.view, missed.frame.stamp_ns, missed.before, missed.after,
+                                 missed.median_depth, missed.expected_inliers, random_of_backlog_);
+  if (localized) records_.SetPose(missed.frame.record, *localized, map_);
+}
+
 void KeyframeVo::Tracker::GiveUpMap() {
+  LocalizeBacklog();
   map_.Clear();
   floor_.Clear();
   missed_.clear();

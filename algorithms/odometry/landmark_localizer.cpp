@@ -39,8 +39,10 @@ class LandmarkLocalizer::Attempt {
   std::optional<LandmarkPose> FindConsensusNearby(const std::vector<LandmarkMatch>& matches, const Pose& guess,
                                                   double radius) const;
   std::optional<LandmarkPose> RepeatWithNarrowSearch(const std::optional<LandmarkPose>& found) const;
+  std::optional<LandmarkPose> RefineWithNarrowSearch(const LandmarkPose& found) const;
 
  private:
+  std::vector<LandmarkMatch> SearchNarrowly(const Pose& X_WC) const;
   std::optional<Pose> ThreePointPose(const std::vector<LandmarkMatch>& matches, const Pose& guess) const;
   std::optional<LandmarkPose> RefineOverInliers(const std::vector<LandmarkMatch>& matches,
                                                 const std::vector<InverseDepthSighting>& sightings, Pose pose,
@@ -109,14 +111,26 @@ std::optional<LandmarkPose> LandmarkLocalizer::Attempt::FindConsensusNearby(cons
   return refined;
 }
 
+std::vector<LandmarkMatch> LandmarkLocalizer::Attempt::SearchNarrowly(const Pose& X_WC) const {
+  constexpr double kRadiusPx = 5;
+  return SearchNear(
+      map_, view_, X_WC,
+      localizer_.SearchOptions(kRadiusPx * noise_ / localizer_.focal_px_, RatioNearby(localizer_.ratio_)));
+}
+
 /// Searches again within a few pixels of where the landmarks project from the pose found.
 std::optional<LandmarkPose> LandmarkLocalizer::Attempt::RepeatWithNarrowSearch(
     const std::optional<LandmarkPose>& found) const {
   if (!found) return {};
-  constexpr double kRadiusPx = 5;
-  const auto narrow =
-      localizer_.SearchOptions(kRadiusPx * noise_ / localizer_.focal_px_, RatioNearby(localizer_.ratio_));
-  return FindConsensus(SearchNear(map_, view_, found->X_WC, narrow), found->X_WC);
+  return FindConsensus(SearchNarrowly(found->X_WC), found->X_WC);
+}
+
+/// The same for a pose near the prior that is beyond doubt: no other is tried.
+std::optional<LandmarkPose> LandmarkLocalizer::Attempt::RefineWithNarrowSearch(const LandmarkPose& found) const {
+  const std::vector<LandmarkMatch> matches = SearchNarrowly(found.X_WC);
+  const auto refined = RefineOverInliers(matches, Sightings(matches), found.X_WC, prediction_.prior);
+  if (refined && !IsWithinReach(*prediction_.prior, refined->X_WC)) return {};
+  return refined;
 }
 
 /// Alternates between selecting the inliers of a pose and refining it over them.
@@ -128,8 +142,9 @@ std::optional<LandmarkPose> LandmarkLocalizer::Attempt::RefineOverInliers(
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round) {
     inliers.clear();
+    const InverseDepthCamera camera(pose);
     for (int i = 0; i < int(sightings.size()); ++i) {
-      if (Mahalanobis2(sightings[size_t(i)], pose) < limit2) inliers.push_back(i);
+      if (Mahalanobis2(sightings[size_t(i)], camera) < limit2) inliers.push_back(i);
     }
     if (int(inliers.size()) < min_inliers_) return {};
     pose = RefinePose(sightings, inliers, pose, 2, prior);
@@ -149,18 +164,48 @@ LandmarkSearchOptions LandmarkLocalizer::SearchOptions(double radius, double rat
 
 std::optional<LandmarkPose> LandmarkLocalizer::Localize(const KeyframeMap& map, const FrameView& view,
                                                         const PosePrediction& prediction, RandomStream& random) const {
-  auto localized = LocalizeWithNoise(map, view, prediction, 1, random);
-  return localized ? localized : LocalizeWithNoise(map, view, prediction, options_.retry_noise_factor, random);
+  if (auto soon = LocalizeSoon(map, view, prediction, random)) return soon;
+  Candidates candidates;
+  auto localized = LocalizeAmong(candidates, map, view, prediction, 1, random);
+  return localized ? localized : LocalizeAmong(candidates, map, view, prediction, options_.retry_noise_factor, random);
 }
 
-/// Guided search around the predictions; if that fails, matching by descriptors alone (relocalisation).
 std::optional<LandmarkPose> LandmarkLocalizer::LocalizeWithNoise(const KeyframeMap& map, const FrameView& view,
                                                                  const PosePrediction& prediction, double noise,
                                                                  RandomStream& random) const {
+  Candidates candidates;
+  return LocalizeAmong(candidates, map, view, prediction, noise, random);
+}
+
+/// Most frames turn by less than the search allows for: half the radius has a quarter of the candidates. What is found
+/// there counts if it has as many inliers as were to be expected, by half.
+std::optional<LandmarkPose> LandmarkLocalizer::LocalizeSoon(const KeyframeMap& map, const FrameView& view,
+                                                            const PosePrediction& prediction,
+                                                            RandomStream& random) const {
+  constexpr double kRadiusFactor = 0.5, kMinShare = 0.5;
+  if (!prediction.prior || !(prediction.expected_inliers > 0)) return {};
+  const Attempt attempt(*this, map, view, prediction, 1, random);
+  const double radius = kRadiusFactor * options_.search_deg * kRadPerDeg;
+  const auto near = SearchNear(map, view, prediction.X_WC, SearchOptions(radius, ratio_));
+  const auto found = attempt.FindConsensusNearby(near, prediction.X_WC, radius);
+  if (!found || double(found->inliers.size()) < kMinShare * prediction.expected_inliers) return {};
+  return attempt.RefineWithNarrowSearch(*found);
+}
+
+/// Guided search around the predictions; if that fails, matching by descriptors alone (relocalisation).
+std::optional<LandmarkPose> LandmarkLocalizer::LocalizeAmong(Candidates& candidates, const KeyframeMap& map,
+                                                             const FrameView& view, const PosePrediction& prediction,
+                                                             double noise, RandomStream& random) const {
   const Attempt attempt(*this, map, view, prediction, noise, random);
-  const LandmarkSearchOptions wide = SearchOptions(options_.search_deg * kRadPerDeg, ratio_);
-  auto found = attempt.FindConsensus(SearchNear(map, view, prediction.X_WC, wide), prediction.X_WC);
-  if (!found) found = attempt.FindConsensus(SearchAnywhere(map, view, ratio_), prediction.X_WC);
+  if (!candidates.nearby) {
+    const LandmarkSearchOptions wide = SearchOptions(options_.search_deg * kRadPerDeg, ratio_);
+    candidates.nearby = SearchNear(map, view, prediction.X_WC, wide);
+  }
+  auto found = attempt.FindConsensus(*candidates.nearby, prediction.X_WC);
+  if (!found) {
+    if (!candidates.anywhere) candidates.anywhere = SearchAnywhere(map, view, ratio_);
+    found = attempt.FindConsensus(*candidates.anywhere, prediction.X_WC);
+  }
   return attempt.RepeatWithNarrowSearch(found);
 }
 

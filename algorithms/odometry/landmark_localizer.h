@@ -75,7 +75,7 @@ class LandmarkLocalizer {
     return (X_WC.translation - prior.position_W).norm() < kMaxSigmas * prior.sigma;
   }
 
-  /// @returns nothing where no consensus is found in two attempts. Never NaN.
+  /// @returns nothing where no consensus is found in three attempts. Never NaN.
   std::optional<LandmarkPose> Localize(const KeyframeMap& map, const FrameView& view, const PosePrediction& prediction,
                                        RandomStream& random) const;
 
@@ -93,7 +93,15 @@ class LandmarkLocalizer {
 
  private:
   class Attempt;
+  /// What does not depend on the noise that an attempt assumes, found when the first one asks for it.
+  struct Candidates {
+    std::optional<std::vector<LandmarkMatch>> nearby, anywhere;
+  };
   LandmarkSearchOptions SearchOptions(double radius, double ratio) const;
+  std::optional<LandmarkPose> LocalizeSoon(const KeyframeMap& map, const FrameView& view,
+                                           const PosePrediction& prediction, RandomStream& random) const;
+  std::optional<LandmarkPose> LocalizeAmong(Candidates& candidates, const KeyframeMap& map, const FrameView& view,
+                                            const PosePrediction& prediction, double noise, RandomStream& random) const;
   std::optional<LandmarkPose> LocalizeNearby(const KeyframeMap& map, const FrameView& view,
                                              const PosePrediction& prediction, double noise,
                                              RandomStream& random) const;

@@ -5,22 +5,18 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "algorithms/features/descriptor_distance.h"
 #include "algorithms/features/matching.h"
+#include "algorithms/geometry/inverse_depth.h"
 
 namespace gaitcam {
 namespace {
 
-/// Descriptors' distance: Euclidean for numbers, Hamming for bits.
-double Distance(const cv::Mat& a, const cv::Mat& b, int row_b) {
-  if (a.depth() == CV_8U) return cv::norm(a, b.row(row_b), cv::NORM_HAMMING);
-  using Row = Eigen::Map<const Eigen::VectorXf>;
-  return std::sqrt((Row(a.ptr<float>(), a.cols) - Row(b.ptr<float>(row_b), b.cols)).squaredNorm());
-}
-
-/// Features sorted into square cells: those near a position are found without visiting all.
+/// Features sorted into square cells: those near a position are found without visiting all. Those of one cell, and of
+/// the cells of one row, lie one behind the other.
 class FeatureGrid {
  public:
-  FeatureGrid(const std::vector<Eigen::Vector2d>& xy, double cell) : xy_(xy), cell_(cell) {
+  FeatureGrid(const std::vector<Eigen::Vector2d>& xy, double cell) : cell_(cell) {
     Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = -low;
     for (const Eigen::Vector2d& p : xy) {
       low = low.cwiseMin(p);
@@ -30,11 +26,15 @@ class FeatureGrid {
     low_ = low;
     columns_ = 1 + int((high.x() - low.x()) / cell);
     rows_ = 1 + int((high.y() - low.y()) / cell);
-    cells_.resize(size_t(columns_) * size_t(rows_));
-    for (size_t i = 0; i < xy.size(); ++i) {
-      cells_[size_t(Cell(xy[i].y(), low_.y())) * size_t(columns_) + size_t(Cell(xy[i].x(), low_.x()))].push_back(
-          int(i));
-    }
+    const auto cell_of = [&](const Eigen::Vector2d& p) {
+      return size_t(Cell(p.y(), low_.y())) * size_t(columns_) + size_t(Cell(p.x(), low_.x()));
+    };
+    begins_.assign(size_t(columns_) * size_t(rows_) + 1, 0);
+    for (const Eigen::Vector2d& p : xy) ++begins_[cell_of(p) + 1];
+    for (size_t c = 1; c < begins_.size(); ++c) begins_[c] += begins_[c - 1];
+    features_.resize(xy.size());
+    std::vector<int> next(begins_.begin(), begins_.end() - 1);
+    for (size_t i = 0; i < xy.size(); ++i) features_[size_t(next[cell_of(xy[i])]++)] = {xy[i], int(i)};
   }
 
   template <class Visit>
@@ -43,23 +43,27 @@ class FeatureGrid {
               x1 = std::min(columns_ - 1, Cell(p.x() + radius, low_.x()));
     const int y0 = std::max(0, Cell(p.y() - radius, low_.y())),
               y1 = std::min(rows_ - 1, Cell(p.y() + radius, low_.y()));
-    for (int y = y0; y <= y1; ++y) {
-      for (int x = x0; x <= x1; ++x) {
-        for (const int i : cells_[size_t(y) * size_t(columns_) + size_t(x)]) {
-          if ((xy_[size_t(i)] - p).squaredNorm() <= radius * radius) visit(i);
-        }
+    for (int y = y0; y <= y1 && x0 <= x1; ++y) {
+      const size_t row = size_t(y) * size_t(columns_);
+      for (int k = begins_[row + size_t(x0)]; k < begins_[row + size_t(x1) + 1]; ++k) {
+        const Feature& feature = features_[size_t(k)];
+        if ((feature.xy - p).squaredNorm() <= radius * radius) visit(feature.index);
       }
     }
   }
 
  private:
+  struct Feature {
+    Eigen::Vector2d xy;
+    int index = 0;
+  };
   int Cell(double v, double low) const { return int(std::floor((v - low) / cell_)); }
 
-  const std::vector<Eigen::Vector2d>& xy_;
   double cell_;
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   int columns_ = 0, rows_ = 0;
-  std::vector<std::vector<int>> cells_;
+  std::vector<int> begins_;        ///< Of each cell, row by row, in features_; and the end of the last one.
+  std::vector<Feature> features_;  ///< In a cell, in their own order.
 };
 
 struct Nearest {
@@ -67,23 +71,35 @@ struct Nearest {
   double distance = std::numeric_limits<double>::infinity();
 };
 
-/// The feature with the nearest descriptor, if it passes the ratio test against candidates elsewhere in the image.
-Nearest FindNearest(const Landmark& landmark, const FrameView& view, const std::vector<int>& candidates,
-                    const LandmarkSearchOptions& options) {
-  Nearest best;
-  std::vector<double> distances;
-  for (const int i : candidates) {
-    distances.push_back(std::min(Distance(landmark.descriptor, view.features.descriptors, i),
-                                 Distance(landmark.latest, view.features.descriptors, i)));
-    if (distances.back() < best.distance) best = {i, distances.back()};
+/// Compares landmarks with features by their descriptors.
+class DescriptorSearch {
+ public:
+  DescriptorSearch(const FrameView& view, const LandmarkSearchOptions& options) : view_(view), options_(options) {}
+
+  /// The feature with the nearest descriptor, if it passes the ratio test against candidates elsewhere in the image.
+  Nearest Find(const Landmark& landmark, const std::vector<int>& candidates) {
+    DescriptorDistances(landmark.descriptor, view_.features.descriptors, candidates, distances_);
+    if (!landmark.latest.empty()) {
+      DescriptorDistances(landmark.latest, view_.features.descriptors, candidates, of_latest_);
+      for (size_t k = 0; k < candidates.size(); ++k) distances_[k] = std::min(distances_[k], of_latest_[k]);
+    }
+    Nearest best;
+    for (size_t k = 0; k < candidates.size(); ++k) {
+      if (double(distances_[k]) < best.distance) best = {candidates[k], double(distances_[k])};
+    }
+    for (size_t k = 0; k < candidates.size(); ++k) {
+      if (double(distances_[k]) * options_.ratio > best.distance || candidates[k] == best.feature) continue;
+      const Eigen::Vector2d apart = view_.xy[size_t(candidates[k])] - view_.xy[size_t(best.feature)];
+      if (apart.norm() > options_.same_point) return {};
+    }
+    return best;
   }
-  for (size_t k = 0; k < candidates.size(); ++k) {
-    if (distances[k] * options.ratio > best.distance || candidates[k] == best.feature) continue;
-    const Eigen::Vector2d apart = view.xy[size_t(candidates[k])] - view.xy[size_t(best.feature)];
-    if (apart.norm() > options.same_point) return {};
-  }
-  return best;
-}
+
+ private:
+  const FrameView& view_;
+  const LandmarkSearchOptions& options_;
+  std::vector<float> distances_, of_latest_;  ///< Of the candidates.
+};
 
 }  // namespace
 
@@ -103,17 +119,21 @@ std::vector<LandmarkMatch> SearchNear(const KeyframeMap& map, const FrameView& v
     }
   };
   std::vector<Claim> claims(view.xy.size());
+  DescriptorSearch search(view, options);
+  const InverseDepthCamera camera(X_WC);
+  std::vector<Eigen::Matrix3d> R_WA;
+  for (const Pose& X_WA : map.keyframes()) R_WA.push_back(X_WA.R());
   std::vector<int> candidates;
   for (size_t l = 0; l < map.landmarks().size(); ++l) {
     const Landmark& landmark = map.landmarks()[l];
-    const auto projection =
-        LinearizeInverseDepth(map.keyframes()[size_t(landmark.anchor)], landmark.ray, landmark.rho, X_WC);
+    const size_t anchor = size_t(landmark.anchor);
+    const auto projection = camera.See({R_WA[anchor], map.keyframes()[anchor].translation, landmark.ray, landmark.rho});
     if (!projection) continue;
     const double spread = options.depth_sigmas * landmark.rho_sigma * projection->d_rho.norm();
     candidates.clear();
     grid.Near(projection->xy, options.radius + std::min(spread, 2 * options.radius),
               [&](int i) { candidates.push_back(i); });
-    const Nearest found = FindNearest(landmark, view, candidates, options);
+    const Nearest found = search.Find(landmark, candidates);
     if (found.feature < 0) continue;
     const Claim claim = {int(l), landmark.observations.size(), found.distance};
     Claim& present = claims[size_t(found.feature)];

@@ -20,7 +20,7 @@ double RhoWeight(double e) { return 1 / (1 + e * e / (kTail * kTail)); }
 /// An earlier patch, prepared for looking up world positions.
 struct Lookup {
   const FloorPatch::Level* patch;
-  PlanarPose inverse;
+  PlanarMotion inverse;
   Eigen::Matrix2f R;  ///< Rotates its slopes into the world.
 };
 
@@ -45,7 +45,7 @@ FloorAgreement AgreementOf(const std::vector<KnownFloor>& known, const FloorPatc
                            const PlanarPose& pose, double gain, double offset, double noise_grey) {
   std::vector<Lookup> lookups;
   for (const KnownFloor& k : known) {
-    lookups.push_back({&k.patch->levels[size_t(level)], k.pose.Inverse(),
+    lookups.push_back({&k.patch->levels[size_t(level)], PlanarMotion(k.pose.Inverse()),
                        Eigen::Rotation2Df(float(k.pose.heading)).toRotationMatrix()});
   }
   FloorAgreement comparison;

@@ -199,7 +199,7 @@ FloorPicture DrawFloor(const std::vector<FloorPatch>& patches, const std::vector
     if (patches[k].empty()) continue;
     const FloorPatch::Level& patch = patches[k].levels[0];
     const Eigen::AlignedBox2i cells = CellsOf(patch, poses[k], cell_m);
-    const PlanarPose inverse = poses[k].Inverse();
+    const PlanarMotion inverse(poses[k].Inverse());
     for (int y = cells.min().y(); y <= cells.max().y(); ++y) {
       const int row = all.max().y() - y;  // row 0 lies towards +y
       for (int x = cells.min().x(); x <= cells.max().x(); ++x) {

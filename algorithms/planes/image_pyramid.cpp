@@ -20,15 +20,6 @@ PyramidLevel LevelOf(const cv::Mat& intensity) {
 
 }  // namespace
 
-ImageSample PyramidLevel::At(const Eigen::Vector2d& p) const {
-  const int u = int(p.x()), v = int(p.y());
-  const float a = float(p.x() - u), b = float(p.y() - v);
-  const cv::Vec3f* top = samples.ptr<cv::Vec3f>(v) + u;
-  const cv::Vec3f* bottom = samples.ptr<cv::Vec3f>(v + 1) + u;
-  const cv::Vec3f mixed = (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]);
-  return {mixed[0], mixed[1], mixed[2]};
-}
-
 ImagePyramid ImagePyramid::Of(const cv::Mat& image, int levels) {
   GAITCAM_ASSERT(!image.empty() && levels >= 1);
   constexpr int kMinSide_px = 16;

@@ -6,7 +6,6 @@
 
 namespace gaitcam {
 
-using internal::PixelJacobian;
 using internal::ToPixel;
 using internal::ToRay;
 
@@ -26,7 +25,14 @@ PlaneResiduals::PlaneResiduals(const CameraModel& camera, int max_blur_samples, 
       points_(reference.points[k]),
       reference_blur_(reference.blur),
       blur_(blur),
-      scale_(double(1 << k)) {
+      scale_(double(1 << k)),
+      fx_(camera.fx / scale_),
+      fy_(camera.fy / scale_) {
+  for (int samples = 1; samples <= max_blur_samples; ++samples) {
+    for (int i = 0; i < samples; ++i) offsets_.push_back((i + 0.5) / samples - 0.5);
+  }
+  rays_.reserve(points_.size());
+  for (const Eigen::Vector2d& p : points_) rays_.push_back(ToRay(camera, scale_, p));
   const double w = camera.width_px - 1, h = camera.height_px - 1;
   const std::vector<Eigen::Vector3d> corners{ToRay(camera, 1, {0, h}), ToRay(camera, 1, {w, h}),
                                              ToRay(camera, 1, {w / 2, h / 2})};
@@ -36,7 +42,15 @@ PlaneResiduals::PlaneResiduals(const CameraModel& camera, int max_blur_samples, 
 
 Eigen::Vector2d PlaneResiduals::Path(const Eigen::Vector3d& p, const ExposureMotion& motion) const {
   const Eigen::Vector3d displacement = motion.head<3>() + motion.tail<3>().cross(p);
-  return PixelJacobian(camera_, scale_, p) * displacement;
+  return PixelJacobian(p) * displacement;
+}
+
+/// As internal::PixelJacobian has it.
+Eigen::Matrix<double, 2, 3> PlaneResiduals::PixelJacobian(const Eigen::Vector3d& p) const {
+  const double iz = 1 / p.z();
+  Eigen::Matrix<double, 2, 3> J;
+  J << fx_ * iz, 0, -fx_ * p.x() * iz * iz, 0, fy_ * iz, -fy_ * p.y() * iz * iz;
+  return J;
 }
 
 /// Mean along an exposure's path, with about one sample every second pixel.
@@ -51,15 +65,10 @@ std::optional<ImageSample> PlaneResiduals::Average(const PyramidLevel& level, co
   }
   const Eigen::Vector2d half = 0.5 * path;
   if (!level.Contains(p - half) || !level.Contains(p + half)) return std::nullopt;
-  ImageSample sum;
-  for (int i = 0; i < samples; ++i) {
-    const ImageSample sample = level.At(p + ((i + 0.5) / samples - 0.5) * path);
-    sum.intensity += sample.intensity;
-    sum.du += sample.du;
-    sum.dv += sample.dv;
-  }
-  const float share = 1.0F / float(samples);
-  return ImageSample{sum.intensity * share, sum.du * share, sum.dv * share};
+  cv::v_float32x4 sum = cv::v_setzero_f32();
+  const double* const offsets = &offsets_[size_t(samples * (samples - 1) / 2)];
+  for (int i = 0; i < samples; ++i) sum += level.LanesAt(p + offsets[i] * path);
+  return PyramidLevel::SampleOf(sum * cv::v_setall_f32(1.0F / float(samples)));
 }
 
 PlaneResiduals::Shared PlaneResiduals::SharedOf(const PlaneState& state) const {
@@ -76,13 +85,14 @@ PlaneResiduals::Shared PlaneResiduals::SharedOf(const PlaneState& state) const {
   return s;
 }
 
-std::optional<PlaneResidual> PlaneResiduals::ResidualAt(const Shared& s, const Eigen::Vector2d& p_R) const {
-  const Eigen::Vector3d ray = ToRay(camera_, scale_, p_R);
+/// @param ray of the pixel p_R.
+std::optional<PlaneResidual> PlaneResiduals::ResidualAt(const Shared& s, const Eigen::Vector2d& p_R,
+                                                        const Eigen::Vector3d& ray) const {
   const double rho = s.n_d.dot(ray);
   if (rho <= 1e-6) return std::nullopt;  // on or above the horizon
   const Eigen::Vector3d p = s.H * ray;   // the point seen, times its inverse depth
   if (p.z() <= 1e-3) return std::nullopt;
-  const Eigen::Matrix<double, 2, 3> dpixel = PixelJacobian(camera_, scale_, p);
+  const Eigen::Matrix<double, 2, 3> dpixel = PixelJacobian(p);
   Eigen::Matrix2d A = dpixel * s.H.leftCols<2>();  // d p_C / d p_R
   A.col(0) *= scale_ / camera_.fx;
   A.col(1) *= scale_ / camera_.fy;
@@ -102,9 +112,10 @@ std::optional<PlaneResidual> PlaneResiduals::ResidualAt(const Shared& s, const E
   r.reference = expected->intensity;
   r.value = seen->intensity - (s.gain * r.reference + s.offset);
   // Eq. 6.19: with the mean of both images' gradients, by the current pixel, the step is of second order.
-  const Eigen::RowVector2d gradient = 0.5 * (Eigen::RowVector2d(seen->du, seen->dv) +
-                                             s.gain * Eigen::RowVector2d(expected->du, expected->dv) * A_inverse);
-  const Eigen::RowVector3d by_point = gradient * dpixel;
+  const double e_u = s.gain * expected->du, e_v = s.gain * expected->dv;
+  const double u = 0.5 * (seen->du + (e_u * A_inverse(0, 0) + e_v * A_inverse(1, 0)));
+  const double v = 0.5 * (seen->dv + (e_u * A_inverse(0, 1) + e_v * A_inverse(1, 1)));
+  const Eigen::RowVector3d by_point(u * dpixel(0, 0), v * dpixel(1, 1), u * dpixel(0, 2) + v * dpixel(1, 2));
   const Eigen::RowVector3d by_point_R = by_point * s.R;
   r.row.head<3>() = rho * by_point_R;
   r.row.segment<3>(3) = ray.cross(by_point_R.transpose()).transpose();
@@ -116,8 +127,8 @@ std::vector<PlaneResidual> PlaneResiduals::At(const PlaneState& state) const {
   const Shared shared = SharedOf(state);
   std::vector<PlaneResidual> residuals;
   residuals.reserve(points_.size());
-  for (const Eigen::Vector2d& p : points_) {
-    if (std::optional<PlaneResidual> residual = ResidualAt(shared, p)) residuals.push_back(*residual);
+  for (size_t i = 0; i < points_.size(); ++i) {
+    if (const auto residual = ResidualAt(shared, points_[i], rays_[i])) residuals.push_back(*residual);
   }
   return residuals;
 }

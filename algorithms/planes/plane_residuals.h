@@ -59,7 +59,9 @@ class PlaneResiduals {
     bool blurred;
   };
   Shared SharedOf(const PlaneState& state) const;
-  std::optional<PlaneResidual> ResidualAt(const Shared& s, const Eigen::Vector2d& p_R) const;
+  std::optional<PlaneResidual> ResidualAt(const Shared& s, const Eigen::Vector2d& p_R,
+                                          const Eigen::Vector3d& ray) const;
+  Eigen::Matrix<double, 2, 3> PixelJacobian(const Eigen::Vector3d& p) const;
   std::optional<ImageSample> Average(const PyramidLevel& level, const Eigen::Vector2d& p,
                                      const Eigen::Vector2d& path) const;
   /// Displacement in the image during an exposure, px, of the point p (camera frame, m).
@@ -72,7 +74,10 @@ class PlaneResiduals {
   const std::vector<Eigen::Vector2d>& points_;
   const ExposureMotion& reference_blur_;
   const CurrentBlur& blur_;
-  double scale_;
+  double scale_, fx_, fy_;             ///< Focal lengths in pixels of this level.
+  std::vector<Eigen::Vector3d> rays_;  ///< Of the points.
+  /// Of k samples along a path, from offsets_[k (k - 1) / 2] on: where each lies, in parts of the path from its middle.
+  std::vector<double> offsets_;
   Eigen::Matrix3d M_, M_inverse_;
 };
 

@@ -9,13 +9,19 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/median.h"
+#include "sim/camera/occlusion.h"
 
 namespace gaitcam {
 namespace {
 
-constexpr int kPointsAcross = 24;     // points followed per image row to find the fastest
-constexpr int kRollingBands = 64;     // bands of rows whose blur vectors share one interval
-constexpr int64_t kLookNs = 1000000;  // the motion is measured at least this often
+constexpr int kPointsAcross = 24;                 // points followed per image row to find the fastest
+constexpr int kRollingBands = 64;                 // bands of rows whose blur vectors share one interval
+constexpr int64_t kLookNs = 1000000;              // the motion is measured at least this often
+constexpr int kLeastDetail = 2, kMostDetail = 3;  // pixels of a key picture in the place of one, in a row
+constexpr int kFewSubframes = 7;                  // fewer are rendered sooner than one key picture
+constexpr double kGuessedDepth_m = 0.7;           // of what a small robot sees, before anything was rendered
+constexpr double kMostKeyPixels = 6e6;            // of a key picture; beyond, its memory would outweigh its use
+constexpr GreyError kOcclusionBound{0.3, 4};      // what depth edges may add; the rest of the error is sampling's
 
 /// Principal axis and median length of the points' motions.
 void DescribeFlow(const std::vector<Eigen::Vector2d>& open, const std::vector<Eigen::Vector2d>& close,
@@ -37,9 +43,8 @@ void DescribeFlow(const std::vector<Eigen::Vector2d>& open, const std::vector<Ei
   if (motion.axis.dot(sum) < 0) motion.axis = -motion.axis;
 }
 
-/// The lens's point spread, of standard deviation `sigma_px`. Variances add: each pass of (v/2, 1 - v, v/2) adds v.
-cv::Mat Soften(const cv::Mat& light, double sigma_px) {
-  const double variance = sigma_px * sigma_px;
+/// A point spread of a variance in px^2. Variances add: each pass of (v/2, 1 - v, v/2) adds v.
+cv::Mat Soften(const cv::Mat& light, double variance) {
   const int passes = int(std::ceil(variance / 0.4));
   cv::Mat soft = light;
   for (int i = 0; i < passes; ++i) {
@@ -50,13 +55,38 @@ cv::Mat Soften(const cv::Mat& light, double sigma_px) {
   return soft;
 }
 
+/// How points move through the image from one instant to the next.
+MotionProfile MeasureMotion(const CameraModel& camera, const SeenPoints& points,
+                            const std::vector<SceneInstant>& looks) {
+  MotionProfile motion;
+  std::vector<Eigen::Vector2d> first, before;
+  for (const SceneInstant& look : looks) {
+    std::vector<Eigen::Vector2d> now = points.Project(camera, look);
+    double step = 0;
+    for (size_t k = 0; k < before.size(); ++k) step = std::fmax(step, (now[k] - before[k]).norm());  // skips NaN
+    motion.stamps_ns.push_back(look.stamp_ns);
+    motion.travel_px.push_back(motion.travel_px.empty() ? 0 : motion.travel_px.back() + step);
+    if (first.empty()) first = now;
+    before = std::move(now);
+  }
+  DescribeFlow(first, before, motion);
+  return motion;
+}
+
+/// The least detail in which a picture gives each pixel so many samples.
+int DetailFor(int samples) { return int(std::ceil(std::sqrt(samples))); }
+
+/// What the pictures of so many keys cost, in pictures of the image's own size: measured on llvmpipe, 320 x 240 px.
+double CostOf(int keys, int detail) { return keys * (0.3 + 0.75 * detail * detail); }
+
 }  // namespace
 
 /// What is seen at mid-exposure.
 struct ExposingCamera::Middle {
   SceneInstant instant;
-  cv::Mat depth, bodies;  ///< As the camera sees them; no bodies where only the world is in view.
-  cv::Mat sharp;          ///< Light of the sharp twin, if asked for.
+  std::optional<KeyPicture> key;  ///< Unless the light is integrated plainly.
+  cv::Mat depth, bodies;          ///< As the camera sees them; no bodies where only the world is in view.
+  cv::Mat sharp;                  ///< Light of the sharp twin, if asked for.
   std::optional<SeenPoints> points;
 };
 
@@ -64,7 +94,8 @@ ExposingCamera::ExposingCamera(const mjModel* model, const std::string& camera_n
                                const FilmOptions& options)
     : model_(model),
       camera_id_(FindCamera(model, camera_name)),
-      lens_(camera),
+      lens_(std::make_unique<Lens>(camera)),
+      keys_(*lens_),
       options_(options),
       sensor_(options.exposure, options.grey),
       data_(MakePoseData(model)) {
@@ -79,8 +110,8 @@ SceneInstant ExposingCamera::At(const MotionRecord& record, int64_t stamp_ns) {
 void ExposingCamera::Collect(Renderer& renderer, const Eigen::Vector2d& shift_px, std::span<const float> row_weights,
                              LightAccumulator& light) {
   renderer.ReadColor(buffer_);
-  if (lens_.warps()) {
-    light.AddBent(buffer_, lens_.map(), shift_px, row_weights);
+  if (lens_->warps()) {
+    light.AddBent(buffer_, lens_->map(), shift_px, row_weights);
   } else {
     light.Add(buffer_, row_weights);
   }
@@ -89,83 +120,151 @@ void ExposingCamera::Collect(Renderer& renderer, const Eigen::Vector2d& shift_px
 /// The mean of the image just rendered, sampled at the pixel centres, and `options_.antialias` more with sub-pixel
 /// offsets.
 cv::Mat ExposingCamera::Sharp(Renderer& renderer, const Pose& X_WC) {
-  const CameraModel& camera = lens_.camera();
+  const CameraModel& camera = lens_->camera();
   LightAccumulator light(camera.width_px, camera.height_px);
   const std::vector<Eigen::Vector2d> shifts =
       options_.antialias > 1 ? PixelShifts(options_.antialias) : std::vector<Eigen::Vector2d>();
   const std::vector<float> weights(size_t(camera.height_px), 1.f / float(shifts.size() + 1));
   Collect(renderer, Eigen::Vector2d::Zero(), weights, light);
   for (const Eigen::Vector2d& shift : shifts) {
-    renderer.Draw(*data_, X_WC, lens_.pinhole(), shift);
+    renderer.Draw(*data_, X_WC, lens_->pinhole(), shift);
     Collect(renderer, shift, weights, light);
   }
-  return Soften(light.light(), options_.softness_px);
+  return Soften(light.light(), LensVariance());
+}
+
+/// The same from a finer picture.
+cv::Mat ExposingCamera::Sharp(const KeyPicture& key) const {
+  const CameraModel& camera = lens_->camera();
+  const std::vector<Eigen::Vector2d> shifts = PixelShifts(std::max(options_.antialias, 9));
+  const std::vector<float> weights(size_t(camera.height_px), 1.f / float(shifts.size()));
+  cv::Mat light(camera.height_px, camera.width_px, CV_32FC4, cv::Scalar::all(0));
+  std::vector<ShearedFrame> samples;
+  for (const Eigen::Vector2d& shift : shifts) samples.push_back({&key.at, shift, weights});
+  keys_.Add(key, samples, light);
+  return SoftenSheared(light);
+}
+
+/// Through the lens, what was added up from key pictures.
+cv::Mat ExposingCamera::SoftenSheared(const cv::Mat& light) const {
+  cv::Mat colours;
+  cv::cvtColor(light, colours, cv::COLOR_BGRA2BGR);
+  return Soften(colours, LensVariance());
 }
 
 ExposingCamera::Middle ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
-                                                 bool sharp) {
+                                                 std::optional<int> detail, bool sharp) {
   Middle middle;
   middle.instant = At(record, stamp_ns);
   renderer.Update(*data_);
-  const CameraModel& pinhole = lens_.pinhole();
+  const CameraModel& pinhole = lens_->pinhole();
   const Pose& X_WC = middle.instant.X_WC;
-  renderer.Draw(*data_, X_WC, pinhole);
-  middle.depth = lens_.WarpDepth(renderer.ReadDepth());
-  if (sharp) middle.sharp = Sharp(renderer, X_WC);
-  if (renderer.SeesMovingBodies(X_WC, pinhole)) {
-    middle.bodies = lens_.WarpLabels(renderer.Bodies(*data_, X_WC, pinhole));
+  if (detail) {
+    const CameraModel largest = keys_.Raster(std::max(*detail, kMostDetail));
+    renderer.Reserve(largest.width_px, largest.height_px);
+    middle.key = keys_.See(renderer, *data_, middle.instant, *detail, Eigen::Vector2d::Zero());
+    middle.depth = lens_->WarpDepth(middle.key->depth, middle.key->camera);
+    if (!middle.key->bodies.empty()) middle.bodies = middle.key->bodies.colRange(0, middle.depth.cols);
+    if (sharp) middle.sharp = Sharp(*middle.key);
+  } else {
+    renderer.Draw(*data_, X_WC, pinhole);
+    middle.depth = lens_->WarpDepth(renderer.ReadDepth());
+    if (sharp) middle.sharp = Sharp(renderer, X_WC);
+    if (renderer.SeesMovingBodies(X_WC, pinhole)) {
+      middle.bodies = lens_->WarpLabels(renderer.Bodies(*data_, X_WC, pinhole));
+    }
   }
-  const int stride = std::max(1, lens_.camera().width_px / kPointsAcross);
-  middle.points.emplace(lens_.rays(), middle.depth, middle.bodies, middle.instant, stride);
+  const int stride = std::max(1, lens_->camera().width_px / kPointsAcross);
+  middle.points.emplace(lens_->rays(), middle.depth, middle.bodies, middle.instant, stride);
   return middle;
 }
 
-MotionProfile ExposingCamera::MeasureMotion(const MotionRecord& record, const ShutterInterval& shutter,
-                                            const SeenPoints& points) {
-  MotionProfile motion;
-  std::vector<Eigen::Vector2d> first;
+std::vector<SceneInstant> ExposingCamera::LookAround(const MotionRecord& record, const ShutterInterval& shutter) {
   const int64_t duration = shutter.close_ns - shutter.open_ns;
   const int64_t looks = std::clamp<int64_t>((duration + kLookNs - 1) / kLookNs, 8, 256);
-  std::vector<Eigen::Vector2d> before;
-  for (int64_t i = 0; i <= looks; ++i) {
-    const int64_t stamp = shutter.open_ns + duration * i / looks;
-    std::vector<Eigen::Vector2d> now = points.Project(lens_.camera(), At(record, stamp));
-    double step = 0;
-    for (size_t k = 0; k < before.size(); ++k) step = std::fmax(step, (now[k] - before[k]).norm());  // skips NaN
-    if (i == 0) first = now;
-    motion.stamps_ns.push_back(stamp);
-    motion.travel_px.push_back(i == 0 ? 0 : motion.travel_px.back() + step);
-    before = std::move(now);
+  std::vector<SceneInstant> instants;
+  for (int64_t i = 0; i <= looks; ++i) instants.push_back(At(record, shutter.open_ns + duration * i / looks));
+  return instants;
+}
+
+/// In how much detail key pictures are rendered; nothing if the light is integrated plainly, as it is where few
+/// sub-frames do. An edge that is misplaced by a part of a key's pixel is an error of 1 / (detail x length) of its
+/// contrast in each of the `length` pixels that it passes. The image's RMS error goes with 1 / (detail x sqrt(length))
+/// therefore, and with the square root of the edges' share of the image, which falls with its width.
+std::optional<int> ExposingCamera::KeyDetail(const std::vector<SceneInstant>& looks) const {
+  const ExposureOptions& exposure = options_.exposure;
+  if (exposure.integration == LightIntegration::kPlain || exposure.fixed_subframes > 0) return std::nullopt;
+  const CameraModel& camera = lens_->camera();
+  const cv::Mat depth(camera.height_px, camera.width_px, CV_32FC1, cv::Scalar(kGuessedDepth_m));
+  const int stride = std::max(1, camera.width_px / 8);
+  const SeenPoints points(lens_->rays(), depth, cv::Mat(), looks[looks.size() / 2], stride);
+  const double travel_px = MeasureMotion(camera, points, looks).travel_px.back();
+  if (std::max(travel_px / exposure.max_step_px, double(options_.antialias)) < kFewSubframes) return std::nullopt;
+  const int enough = int(std::lround(180 / std::sqrt(camera.width_px * travel_px)));
+  const int detail = std::max(std::clamp(enough, kLeastDetail, kMostDetail), DetailFor(options_.antialias));
+  if (double(detail) * detail * camera.width_px * camera.height_px > kMostKeyPixels) return std::nullopt;
+  return detail;
+}
+
+/// @returns 0 if all sub-frames had better be rendered.
+int ExposingCamera::CountKeys(const Middle& middle, const std::vector<SceneInstant>& looks, const ShutterPlan& plan,
+                              const MotionProfile& motion) const {
+  if (!middle.key) return 0;
+  const int most = int(plan.size());
+  if (motion.stamps_ns.size() < 2) return 1;  // one instant
+  const GreyError error = OcclusionError(*middle.key, lens_->rays(), middle.depth, looks.front(), looks.back());
+  int keys = 1;
+  const auto suffice = [&] {
+    return error.rms <= keys * kOcclusionBound.rms && error.p99_9 <= keys * kOcclusionBound.p99_9 &&
+           LongestReach(PlanKeys(plan, middle.instant.stamp_ns, keys), plan, motion) <= keys_.reach_px();
+  };
+  while (keys <= most && !suffice()) {
+    keys += 2;
+    if (keys > most || 2 * CostOf(keys - 1, kLeastDetail) > most) return 0;  // plain is more exact, too
   }
-  DescribeFlow(first, before, motion);
-  return motion;
+  return keys;
 }
 
 cv::Mat ExposingCamera::Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan,
-                                  FilmedTruth& truth, std::vector<SceneInstant>& instants, int64_t stamp_ns) {
-  const CameraModel& camera = lens_.camera();
-  std::vector<std::vector<float>> weights;  // by row, then slot
-  weights.reserve(size_t(camera.height_px));
-  for (int row = 0; row < camera.height_px; ++row) {
-    weights.push_back(RowWeights(options_.exposure, stamp_ns, plan, row, camera.height_px));
-  }
+                                  int64_t stamp_ns) {
+  const CameraModel& camera = lens_->camera();
+  const std::vector<std::vector<float>> weights = SlotWeights(options_.exposure, stamp_ns, plan, camera.height_px);
   LightAccumulator light(camera.width_px, camera.height_px);
-  std::vector<float> row_weights(size_t(camera.height_px));
   for (size_t i = 0; i < plan.size(); ++i) {
-    instants.push_back(At(record, plan[i].stamp_ns));
-    const Pose& X_WC = instants.back().X_WC;
-    truth.subframes.push_back({plan[i].stamp_ns, plan[i].weight, X_WC});
-    for (int row = 0; row < camera.height_px; ++row) row_weights[row] = weights[row][i];
+    const Pose X_WC = At(record, plan[i].stamp_ns).X_WC;
     renderer.Move(*data_);
-    renderer.Draw(*data_, X_WC, lens_.pinhole(), plan[i].shift_px);
-    Collect(renderer, plan[i].shift_px, row_weights, light);
+    renderer.Draw(*data_, X_WC, lens_->pinhole(), plan[i].shift_px);
+    Collect(renderer, plan[i].shift_px, weights[i], light);
   }
-  return Soften(light.light(), options_.softness_px);
+  return Soften(light.light(), LensVariance());
+}
+
+cv::Mat ExposingCamera::Shear(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan,
+                              const std::vector<SceneInstant>& instants, const KeyPicture& middle, int keys) {
+  const CameraModel& camera = lens_->camera();
+  const int64_t stamp_ns = middle.at.stamp_ns;
+  const std::vector<std::vector<float>> weights = SlotWeights(options_.exposure, stamp_ns, plan, camera.height_px);
+  const std::vector<Eigen::Vector2d> shifts = PixelShifts(keys);
+  cv::Mat light(camera.height_px, camera.width_px, CV_32FC4, cv::Scalar::all(0));
+  for (const KeySlot& slot : PlanKeys(plan, stamp_ns, keys)) {
+    KeyPicture other;
+    if (slot.stamp_ns != stamp_ns) {
+      const SceneInstant at = At(record, slot.stamp_ns);
+      renderer.Move(*data_);
+      other = keys_.See(renderer, *data_, at, middle.finer, shifts[size_t(slot.first) % shifts.size()]);
+    }
+    std::vector<ShearedFrame> frames;
+    for (int i = slot.first; i < slot.end; ++i) {
+      frames.push_back({&instants[size_t(i)], plan[size_t(i)].shift_px, weights[size_t(i)]});
+    }
+    keys_.Add(slot.stamp_ns != stamp_ns ? other : middle, frames, light);
+  }
+  return SoftenSheared(light);
 }
 
 void ExposingCamera::DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,
                                   const std::vector<SceneInstant>& instants, bool vectors, FilmedTruth& truth) {
-  const int rows = lens_.camera().height_px;
+  const int rows = lens_->camera().height_px;
   const int bands = options_.exposure.readout_ms > 0 ? std::min(kRollingBands, rows) : 1;
   std::vector<std::pair<SceneInstant, SceneInstant>> open_close;
   for (int band = 0; band < bands; ++band) {
@@ -173,7 +272,7 @@ void ExposingCamera::DescribeBlur(const MotionRecord& record, int64_t stamp_ns, 
     open_close.emplace_back(At(record, own.open_ns), At(record, own.close_ns));
   }
   if (vectors) {
-    truth.blur = BlurVectors(lens_.camera(), lens_.rays(), middle.depth, middle.bodies, middle.instant, open_close);
+    truth.blur = BlurVectors(lens_->camera(), lens_->rays(), middle.depth, middle.bodies, middle.instant, open_close);
   }
   const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);
   std::vector<SceneInstant> path = {At(record, own.open_ns)};
@@ -181,7 +280,7 @@ void ExposingCamera::DescribeBlur(const MotionRecord& record, int64_t stamp_ns, 
     if (instant.stamp_ns > own.open_ns && instant.stamp_ns < own.close_ns) path.push_back(instant);
   }
   path.push_back(At(record, own.close_ns));
-  const PathLengths lengths = MeasurePaths(lens_.camera(), *middle.points, path);
+  const PathLengths lengths = MeasurePaths(lens_->camera(), *middle.points, path);
   truth.blur_median_px = lengths.median_px;
   truth.blur_p90_px = lengths.p90_px;
   truth.blur_max_px = lengths.max_px;
@@ -193,14 +292,22 @@ ExposedFrame ExposingCamera::Expose(Renderer& renderer, const MotionRecord& reco
   FilmedTruth& truth = frame.truth;
   // Depth and motion determine the sub-frames, so they are measured whatever truth is requested: the image must not
   // depend on that.
-  const Middle middle = SeeMiddle(renderer, record, stamp_ns, wanted.sharp);
   const ShutterInterval whole = WholeShutter(options_.exposure, stamp_ns);
+  const std::vector<SceneInstant> looks = LookAround(record, whole);
+  const Middle middle = SeeMiddle(renderer, record, stamp_ns, KeyDetail(looks), wanted.sharp);
   MotionProfile motion;
-  if (whole.close_ns > whole.open_ns) motion = MeasureMotion(record, whole, *middle.points);
+  if (whole.close_ns > whole.open_ns) motion = MeasureMotion(lens_->camera(), *middle.points, looks);
   const ShutterPlan plan = PlanShutter(options_.exposure, stamp_ns, options_.antialias, motion);
 
   std::vector<SceneInstant> instants;
-  const cv::Mat light = Integrate(renderer, record, plan, truth, instants, stamp_ns);
+  for (const ShutterSlot& slot : plan) {
+    instants.push_back(At(record, slot.stamp_ns));
+    truth.subframes.push_back({slot.stamp_ns, slot.weight, instants.back().X_WC});
+  }
+  const int keys = CountKeys(middle, looks, plan, motion);
+  const cv::Mat light = keys > 0 ? Shear(renderer, record, plan, instants, *middle.key, keys)
+                                 : Integrate(renderer, record, plan, stamp_ns);
+  truth.renders = keys > 0 ? keys : int(plan.size());
   frame.image = {stamp_ns, sensor_.Develop(light, noise)};
 
   const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);

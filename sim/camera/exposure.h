@@ -7,7 +7,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +22,7 @@
 #include "sim/camera/blur_field.h"
 #include "sim/camera/exposure_options.h"
 #include "sim/camera/image_sensor.h"
+#include "sim/camera/key_picture.h"
 #include "sim/camera/lens.h"
 #include "sim/camera/light.h"
 #include "sim/camera/renderer.h"
@@ -61,9 +64,14 @@ struct FilmOptions {
 /// One camera of a model that films through a shutter.
 ///
 /// When a frame is exposed, physics has already run to the shutter's close, and its record gives every configuration
-/// during the exposure. The instants to render are therefore chosen with the motion known: the depth at mid-exposure
-/// gives the visible points, and the fastest of these at each time divides the exposure into sub-frames. Each sub-frame
-/// is rendered with another sub-pixel offset, of mean zero, so that the sum is anti-aliased without further renders.
+/// during the exposure. The sub-frames are therefore chosen with the motion known: the depth at mid-exposure gives the
+/// visible points, and the fastest of these at each time divides the exposure into slots. Each sub-frame looks with
+/// another sub-pixel offset, of mean zero, so that the sum is anti-aliased.
+///
+/// Plainly integrated, every sub-frame is rendered. Sheared, a few key pictures are, the first of them at mid-exposure,
+/// and the sub-frames are computed from the nearest (key_picture.h). There are so many that none has to serve a
+/// sub-frame from which any point has moved further than KeyCamera::reach_px, and that the error at depth edges stays
+/// within bounds (occlusion.h). Where that many would cost more than to render plainly, that is done.
 class ExposingCamera {
  public:
   /// @throws BadInput if the model has no such camera; BadOption.
@@ -76,25 +84,36 @@ class ExposingCamera {
   ExposedFrame Expose(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, const TruthOptions& truth,
                       RandomStream noise);
 
-  const Lens& lens() const { return lens_; }
+  const Lens& lens() const { return *lens_; }
 
  private:
   struct Middle;
 
   SceneInstant At(const MotionRecord& record, int64_t stamp_ns);
+  std::vector<SceneInstant> LookAround(const MotionRecord& record, const ShutterInterval& shutter);
+  std::optional<int> KeyDetail(const std::vector<SceneInstant>& looks) const;
+
+  cv::Mat Sharp(Renderer& renderer, const Pose& X_WC);
+  cv::Mat Sharp(const KeyPicture& key) const;
+  double LensVariance() const { return options_.softness_px * options_.softness_px; }
+  cv::Mat SoftenSheared(const cv::Mat& light) const;
+  Middle SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, std::optional<int> detail,
+                   bool sharp);
+  int CountKeys(const Middle& middle, const std::vector<SceneInstant>& looks, const ShutterPlan& plan,
+                const MotionProfile& motion) const;
+
   void Collect(Renderer& renderer, const Eigen::Vector2d& shift_px, std::span<const float> row_weights,
                LightAccumulator& light);
-  cv::Mat Sharp(Renderer& renderer, const Pose& X_WC);
-  Middle SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, bool sharp);
-  MotionProfile MeasureMotion(const MotionRecord& record, const ShutterInterval& shutter, const SeenPoints& points);
-  cv::Mat Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, FilmedTruth& truth,
-                    std::vector<SceneInstant>& instants, int64_t stamp_ns);
+  cv::Mat Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, int64_t stamp_ns);
+  cv::Mat Shear(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan,
+                const std::vector<SceneInstant>& instants, const KeyPicture& middle, int keys);
   void DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,
                     const std::vector<SceneInstant>& instants, bool vectors, FilmedTruth& truth);
 
   const mjModel* model_;
   int camera_id_;
-  Lens lens_;
+  std::unique_ptr<const Lens> lens_;
+  KeyCamera keys_;
   FilmOptions options_;
   ImageSensor sensor_;
   MjDataPtr data_;  ///< Scratch: the configuration being looked at.

@@ -20,6 +20,13 @@ constexpr auto WordsOf(ResponseCurve) {
   return std::array{EnumWord{ResponseCurve::kSrgb, "srgb"}, EnumWord{ResponseCurve::kLinear, "linear"}};
 }
 
+/// How the light between two renders is found; `sheared`: along the known motion of what is seen (key_picture.h);
+/// `plain`: every sub-frame is rendered.
+enum class LightIntegration { kSheared, kPlain };
+constexpr auto WordsOf(LightIntegration) {
+  return std::array{EnumWord{LightIntegration::kSheared, "sheared"}, EnumWord{LightIntegration::kPlain, "plain"}};
+}
+
 struct ExposureOptions {
   using DescribedTag = void;
 
@@ -29,6 +36,7 @@ struct ExposureOptions {
   int min_subframes = 1;
   int max_subframes = 128;
   int fixed_subframes = 0;
+  LightIntegration integration = LightIntegration::kSheared;
   double full_well_e = 10000.0;
   double read_noise_e = 8.0;
   double noise = 1.0;
@@ -47,7 +55,10 @@ void VisitFields(Visitor& visit, ExposureOptions& o) {
         "no image point moves further than this between two sub-frames");
   visit("min_subframes", o.min_subframes, Between(1, 4096), "lower bound on the number of sub-frames");
   visit("max_subframes", o.max_subframes, Between(1, 4096), "upper bound on the number of sub-frames");
-  visit("fixed_subframes", o.fixed_subframes, Between(0, 4096), "exactly so many, whatever moves; 0 chooses by motion");
+  visit("fixed_subframes", o.fixed_subframes, Between(0, 4096),
+        "exactly so many, all rendered, whatever moves; 0 chooses by motion");
+  visit("integration", o.integration, EnumWords<LightIntegration>(),
+        "sheared computes most sub-frames from a few finer renders along the known motion; plain renders each");
   visit("full_well_e", o.full_well_e, Between(100, 1e7), "electrons at white; sets the photon shot noise");
   visit("read_noise_e", o.read_noise_e, Between(0, 1000), "standard deviation, electrons");
   visit("noise", o.noise, Between(0.0, 10.0), "factor on shot and read noise; 0 is none");

@@ -67,6 +67,19 @@ CameraModel CoveringPinhole(const cv::Mat& rays, double f, int margin) {
   return pinhole;
 }
 
+/// Depth at a point between four pixels.
+float DepthBetween(const cv::Mat& depth, float at_x, float at_y) {
+  constexpr float kEdgeRatio = 1.05f;  // neighbours whose depths differ by more lie on different surfaces
+  const int x = int(at_x), y = int(at_y);
+  const float s = at_x - float(x), t = at_y - float(y);
+  const float* upper = depth.ptr<float>(y) + x;
+  const float* lower = depth.ptr<float>(y + 1) + x;
+  const float z[4] = {upper[0], upper[1], lower[0], lower[1]};
+  const auto [low, high] = std::minmax_element(z, z + 4);
+  if (*low <= 0 || *high > kEdgeRatio * *low) return z[(t >= 0.5f ? 2 : 0) + (s >= 0.5f ? 1 : 0)];
+  return 1 / ((1 - t) * ((1 - s) / z[0] + s / z[1]) + t * ((1 - s) / z[2] + s / z[3]));
+}
+
 }  // namespace
 
 Lens::Lens(const CameraModel& camera) : camera_(camera), pinhole_(camera) {
@@ -88,25 +101,16 @@ Lens::Lens(const CameraModel& camera) : camera_(camera), pinhole_(camera) {
   }
 }
 
-cv::Mat Lens::WarpDepth(const cv::Mat& depth) const {
-  GAITCAM_ASSERT(depth.type() == CV_32FC1 && depth.cols == pinhole_.width_px && depth.rows == pinhole_.height_px);
-  if (!warps_) return depth;
-  constexpr float kEdgeRatio = 1.05f;  // neighbours whose depths differ by more lie on different surfaces
+cv::Mat Lens::WarpDepth(const cv::Mat& depth) const { return warps_ ? WarpDepth(depth, pinhole_) : depth; }
+
+cv::Mat Lens::WarpDepth(const cv::Mat& depth, const CameraModel& picture) const {
+  GAITCAM_ASSERT(depth.type() == CV_32FC1 && depth.cols == picture.width_px && depth.rows == picture.height_px);
+  const float f = float(picture.fx), cx = float(picture.cx), cy = float(picture.cy);
   cv::Mat warped(rays_.size(), CV_32FC1);
   for (int v = 0; v < warped.rows; ++v) {
-    for (int u = 0; u < warped.cols; ++u) {
-      const cv::Vec2f at = map_.at<cv::Vec2f>(v, u);
-      const int x = int(at[0]), y = int(at[1]);
-      const float s = at[0] - float(x), t = at[1] - float(y);
-      const float z[4] = {depth.at<float>(y, x), depth.at<float>(y, x + 1), depth.at<float>(y + 1, x),
-                          depth.at<float>(y + 1, x + 1)};
-      const auto [low, high] = std::minmax_element(z, z + 4);
-      if (*low <= 0 || *high > kEdgeRatio * *low) {
-        warped.at<float>(v, u) = z[(t >= 0.5f ? 2 : 0) + (s >= 0.5f ? 1 : 0)];
-      } else {
-        warped.at<float>(v, u) = 1 / ((1 - t) * ((1 - s) / z[0] + s / z[1]) + t * ((1 - s) / z[2] + s / z[3]));
-      }
-    }
+    const cv::Vec2f* rays = rays_.ptr<cv::Vec2f>(v);
+    float* to = warped.ptr<float>(v);
+    for (int u = 0; u < warped.cols; ++u) to[u] = DepthBetween(depth, f * rays[u][0] + cx, f * rays[u][1] + cy);
   }
   return warped;
 }

@@ -28,6 +28,9 @@ class Lens {
   /// The ideal camera's depth as this camera sees it. 1/z is interpolated, which is exact on planes; across an edge the
   /// nearest sample is taken.
   cv::Mat WarpDepth(const cv::Mat& depth) const;
+  /// The same from a picture of another raster: `picture` is an ideal camera at the same place with square pixels,
+  /// whose picture covers all rays and a pixel more on each side.
+  cv::Mat WarpDepth(const cv::Mat& depth, const CameraModel& picture) const;
   /// Labels: the nearest sample.
   cv::Mat WarpLabels(const cv::Mat& labels) const;
 

@@ -104,6 +104,39 @@ void LightAccumulator::AddBent(const cv::Mat& bgrx_bottom_up, const cv::Mat& map
   }
 }
 
+cv::Mat MeanLight(const cv::Mat& bgrx_bottom_up, int finer) {
+  GAITCAM_ASSERT(bgrx_bottom_up.type() == CV_8UC4 && finer >= 1);
+  const cv::Size size(bgrx_bottom_up.cols / finer, bgrx_bottom_up.rows / finer);
+  const DecodeTable table = Weighted(1.f / float(finer * finer));
+  cv::Mat mean(size, CV_32FC3, cv::Scalar::all(0));
+  for (int row = 0; row < size.height * finer; ++row) {
+    const uint8_t* from = bgrx_bottom_up.ptr<uint8_t>(bgrx_bottom_up.rows - 1 - row);
+    float* to = mean.ptr<float>(row / finer);
+    for (int col = 0; col < size.width; ++col, to += 3) {
+      for (int i = 0; i < finer; ++i, from += 4) {
+        for (int c = 0; c < 3; ++c) to[c] += table[from[c]];
+      }
+    }
+  }
+  return mean;
+}
+
+void DecodeLight(const cv::Mat& bgrx_bottom_up, cv::Mat& light) {
+  GAITCAM_ASSERT(bgrx_bottom_up.type() == CV_8UC4);
+  const DecodeTable& table = UnitTable();
+  light.create(bgrx_bottom_up.size(), CV_32FC4);
+  for (int row = 0; row < light.rows; ++row) {
+    const uint8_t* from = bgrx_bottom_up.ptr<uint8_t>(light.rows - 1 - row);
+    float* to = light.ptr<float>(row);
+    for (int col = 0; col < light.cols; ++col, from += 4, to += 4) {
+      to[0] = table[from[0]];
+      to[1] = table[from[1]];
+      to[2] = table[from[2]];
+      to[3] = 0;
+    }
+  }
+}
+
 cv::Mat EncodeSrgb(const cv::Mat& light) {
   constexpr int kSteps = 1 << 16;  // finer than 1/20 of a grey level even where the curve is steepest
   constexpr float kHalf = 0.5f;    // rounds what is not negative

@@ -38,6 +38,14 @@ class LightAccumulator {
   cv::Mat light_;
 };
 
+/// Light of a picture in which `finer` x `finer` pixels make one of the image: their mean. CV_32FC3 (BGR), row 0 on
+/// top.
+/// @param bgrx_bottom_up as LightAccumulator takes them.
+cv::Mat MeanLight(const cv::Mat& bgrx_bottom_up, int finer);
+
+/// Light of each pixel of a picture, CV_32FC4 (BGR and nothing), row 0 on top: four lanes for vector arithmetic.
+void DecodeLight(const cv::Mat& bgrx_bottom_up, cv::Mat& light);
+
 /// Light to 8-bit display values, clipped and rounded; any number of channels.
 cv::Mat EncodeSrgb(const cv::Mat& light);
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <type_traits>
 
@@ -31,13 +32,12 @@ void SetOnly(mjtByte* flags, int count, std::initializer_list<int> on) {
   for (const int flag : on) flags[flag] = 1;
 }
 
-/// From a point to the nearest point of a box, or of a geom's bounding sphere; about 0 for a plane below it.
-float DistanceTo(const mjvGeom& geom, const Eigen::Vector3d& point) {
+/// From a point to the farthest point that a geom's bounding sphere can have. Floor and walls, which reach far, come
+/// after what stands before them; an infinite plane comes last.
+float ReachFrom(const mjvGeom& geom, const Eigen::Vector3d& point) {
+  if (geom.modelrbound <= 0) return std::numeric_limits<float>::max();
   const Eigen::Vector3f offset = point.cast<float>() - Eigen::Vector3f(geom.pos[0], geom.pos[1], geom.pos[2]);
-  if (geom.type != mjGEOM_BOX) return offset.norm() - geom.modelrbound;
-  const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(geom.mat);
-  const Eigen::Vector3f beyond = ((R.transpose() * offset).cwiseAbs() - Eigen::Map<const Eigen::Vector3f>(geom.size));
-  return beyond.cwiseMax(0).norm();
+  return offset.norm() + geom.modelrbound;
 }
 
 }  // namespace
@@ -51,6 +51,9 @@ struct Renderer::Gl {
       LoadGlFunction<PFNGLGETRENDERBUFFERPARAMETERIVPROC>("glGetRenderbufferParameteriv");
   PFNGLRENDERBUFFERSTORAGEPROC RenderbufferStorage =
       LoadGlFunction<PFNGLRENDERBUFFERSTORAGEPROC>("glRenderbufferStorage");
+  // Of OpenGL before 3.1, as all that MuJoCo draws with.
+  using TexEnvf = void(APIENTRYP)(GLenum, GLenum, GLfloat);
+  TexEnvf SetTextureEnvironment = LoadGlFunction<TexEnvf>("glTexEnvf");
 };
 
 /// The four side planes of a picture's pyramid and the near plane, in world coordinates: n.p + d >= 0 is inside.
@@ -146,6 +149,11 @@ void Renderer::ResizeBuffers(int width_px, int height_px) {
   if (mjr_getError() != 0) throw MissingResource("the OpenGL driver gives no off-screen buffer of that size");
 }
 
+void Renderer::Reserve(int width_px, int height_px) {
+  if (width_px <= context_.offWidth && height_px <= context_.offHeight) return;
+  MakeContext(std::max(width_px, context_.offWidth), std::max(height_px, context_.offHeight));
+}
+
 void Renderer::Update(mjData& data) {
   mjvCamera user;
   mjv_defaultCamera(&user);
@@ -202,25 +210,26 @@ void Renderer::SelectVisible(const Frustum& frustum, const Eigen::Vector3d& eye)
   for (size_t i = 0; i < geoms_.size(); ++i) {
     // Geometry outside the frustum may still cast a shadow into it.
     if (!options_.shadows && !frustum.MaySee(geoms_[i])) continue;
-    order_.emplace_back(DistanceTo(geoms_[i], eye), int(i));
+    order_.emplace_back(ReachFrom(geoms_[i], eye), int(i));
   }
-  // Front to back: occluded fragments are then rejected by the depth test before shading.
+  // Roughly front to back: occluded fragments are then rejected by the depth test before shading.
   std::sort(order_.begin(), order_.end());
   scene_.ngeom = 0;
-  for (const auto& [distance, index] : order_) scene_.geoms[scene_.ngeom++] = geoms_[index];
+  for (const auto& [reach, index] : order_) scene_.geoms[scene_.ngeom++] = geoms_[index];
 }
 
-void Renderer::Draw(mjData& data, const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px) {
+void Renderer::Draw(mjData& data, const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px,
+                    int finer) {
   GAITCAM_ASSERT(!geoms_.empty() || model_->ngeom == 0);
-  if (camera.width_px > context_.offWidth || camera.height_px > context_.offHeight) {
-    MakeContext(std::max(camera.width_px, context_.offWidth), std::max(camera.height_px, context_.offHeight));
-  }
+  Reserve(camera.width_px, camera.height_px);
   viewport_ = {0, 0, camera.width_px, camera.height_px};
   SetCamera(X_WC, camera, shift_px);
   if (follows_camera_) Update(data);
   mjv_makeLights(model_, &data, &scene_);
   SelectVisible(Frustum(X_WC, camera, options_.near_m), X_WC.translation);
   mjr_setBuffer(mjFB_OFFSCREEN, &context_);
+  constexpr GLenum kTextureFilterControl = 0x8500;  // OpenGL 1.4
+  gl_->SetTextureEnvironment(kTextureFilterControl, GL_TEXTURE_LOD_BIAS, float(std::log2(finer)));
   mjr_render(viewport_, &scene_, &context_);
 }
 
@@ -265,21 +274,29 @@ cv::Mat Renderer::Bodies(mjData& data, const Pose& X_WC, const CameraModel& came
   return bodies;
 }
 
-cv::Mat Renderer::Picture(mjData& data, const Pose& X_WC, const CameraModel& camera, int samples) {
+cv::Mat Renderer::Picture(mjData& data, const Pose& X_WC, const CameraModel& camera, int finer) {
+  GAITCAM_ASSERT(finer >= 1);
   Update(data);
-  LightAccumulator light(camera.width_px, camera.height_px);
+  Draw(data, X_WC, Finer(camera, finer, 0), Eigen::Vector2d::Zero(), finer);
   cv::Mat bgrx;
-  for (const Eigen::Vector2d& shift : PixelShifts(samples)) {
-    Draw(data, X_WC, camera, shift);
-    ReadColor(bgrx);
-    light.Add(bgrx, 1.f / float(samples));
-  }
-  return EncodeSrgb(light.light());
+  ReadColor(bgrx);
+  return EncodeSrgb(MeanLight(bgrx, finer));
 }
 
 bool Renderer::SeesMovingBodies(const Pose& X_WC, const CameraModel& camera) const {
   const Frustum frustum(X_WC, camera, options_.near_m);
   return std::any_of(moving_.begin(), moving_.end(), [&](int i) { return frustum.MaySee(geoms_[i]); });
+}
+
+CameraModel Finer(const CameraModel& camera, int finer, int margin_px) {
+  CameraModel fine = camera;
+  fine.width_px = finer * (camera.width_px + 2 * margin_px);
+  fine.height_px = finer * (camera.height_px + 2 * margin_px);
+  fine.fx = fine.fy = finer * camera.fx;
+  // The first pixel's left edge lies half a pixel before its centre, in either raster.
+  fine.cx = finer * (camera.cx + margin_px + 0.5) - 0.5;
+  fine.cy = finer * (camera.cy + margin_px + 0.5) - 0.5;
+  return fine;
 }
 
 Pose LookAt(const Eigen::Vector3d& point, double distance_m, double azimuth_rad, double elevation_rad) {

@@ -3,8 +3,9 @@
 /// A sub-frame of an exposure costs one call of Move and one of Draw. Geometry that does not move is copied once, and
 /// geometry outside the view frustum is culled before it reaches OpenGL; MuJoCo's own loop does neither.
 ///
-/// Anti-aliasing is the caller's: it averages pictures shifted by parts of a pixel, in linear light. OpenGL's own
-/// multisampling averages display values, which makes thin bright things too dark, and costs as much in software.
+/// Anti-aliasing is the caller's: it averages finer pictures, or such as are shifted by parts of a pixel, in linear
+/// light. OpenGL's own multisampling averages display values, which makes thin bright things too dark, and costs as
+/// much in software.
 
 #pragma once
 
@@ -43,6 +44,8 @@ class Renderer {
   const mjModel* model() const { return model_; }
   const RendererOptions& options() const { return options_; }
 
+  /// Makes room for pictures of up to this size at once.
+  void Reserve(int width_px, int height_px);
   /// Copies all visible geometry, in the configuration of `data` (its kinematics must be up to date).
   void Update(mjData& data);
   /// Copies the poses of moving geometry. @pre Update was called before.
@@ -50,9 +53,11 @@ class Renderer {
 
   /// Draws the picture of a camera with square pixels and no distortion.
   /// @param shift_px offset of the sampling point from the pixel centre, for anti-aliasing.
+  /// @param finer how many pixels of this picture make one of the image, in a row: textures are then filtered for the
+  /// image's pixels.
   /// @pre camera.fx == camera.fy, no distortion, Update was called before.
   void Draw(mjData& data, const Pose& X_WC, const CameraModel& camera,
-            const Eigen::Vector2d& shift_px = Eigen::Vector2d::Zero());
+            const Eigen::Vector2d& shift_px = Eigen::Vector2d::Zero(), int finer = 1);
   /// The picture just drawn: CV_8UC4, BGR and an unused byte, display (sRGB) values, BOTTOM row first as OpenGL has it.
   void ReadColor(cv::Mat& bgrx_bottom_up);
 
@@ -63,8 +68,9 @@ class Renderer {
   /// Whether any geom of a moving body can be in the picture (by its bounding box, so perhaps hidden).
   bool SeesMovingBodies(const Pose& X_WC, const CameraModel& camera) const;
 
-  /// One instant as a picture, CV_8UC3 (BGR), row 0 on top: the mean of `samples` shifted pictures. Calls Update.
-  cv::Mat Picture(mjData& data, const Pose& X_WC, const CameraModel& camera, int samples = 1);
+  /// One instant as a picture, CV_8UC3 (BGR), row 0 on top; a pixel is the mean of `finer` x `finer` samples. Calls
+  /// Update.
+  cv::Mat Picture(mjData& data, const Pose& X_WC, const CameraModel& camera, int finer = 1);
 
  private:
   struct Gl;
@@ -83,7 +89,7 @@ class Renderer {
   mjvScene scene_;
   mjrContext context_;
   std::vector<mjvGeom> geoms_;  ///< All that is visible from somewhere; scene_.geoms holds what is in the picture.
-  std::vector<std::pair<float, int>> order_;  ///< Distance and index of what is in the picture.
+  std::vector<std::pair<float, int>> order_;  ///< What is in the picture: how far it reaches, and its index.
   std::vector<int> moving_;                   ///< Indices into geoms_.
   bool follows_camera_ = false;               ///< An infinite plane is centred anew under each camera.
   mjrRect viewport_{0, 0, 0, 0};
@@ -91,6 +97,10 @@ class Renderer {
 
 /// Puts pictures in the place of the pixels that the model's textures have. @pre the context is current.
 void UploadPictures(const mjModel* model, const mjrContext& context, const std::vector<TexturePicture>& pictures);
+
+/// The camera whose picture shows what `camera`'s image does and `margin_px` pixels more on each side, with `finer`
+/// pixels in the place of one. @pre no distortion.
+CameraModel Finer(const CameraModel& camera, int finer, int margin_px);
 
 /// Pose of a camera of the model: optical frame, x right, y down, z forward.
 Pose CameraPose(const mjData& data, int camera_id);

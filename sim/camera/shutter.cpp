@@ -19,11 +19,11 @@ ShutterInterval Around(int64_t stamp_ns, double duration_ms) {
 class Progress {
  public:
   /// A twentieth of the mean speed is added everywhere, so that slots end even where nothing moves.
-  explicit Progress(const MotionProfile& motion) : stamps_(motion.stamps_ns), travel_(motion.travel_px) {
-    const double total = travel_.back() > 0 ? travel_.back() : 1;
+  explicit Progress(const MotionProfile& motion) : stamps_(motion.stamps_ns) {
+    const double total = motion.travel_px.back() > 0 ? motion.travel_px.back() : 1;
     const double duration = double(stamps_.back() - stamps_.front());
     for (size_t i = 0; i < stamps_.size(); ++i) {
-      progress_.push_back(travel_[i] / total + 0.05 * double(stamps_[i] - stamps_.front()) / duration);
+      progress_.push_back(motion.travel_px[i] / total + 0.05 * double(stamps_[i] - stamps_.front()) / duration);
     }
   }
 
@@ -35,18 +35,9 @@ class Progress {
     return stamps_[i - 1] + int64_t(std::llround(part * double(stamps_[i] - stamps_[i - 1])));
   }
 
-  double TravelAt(int64_t stamp_ns) const {
-    const size_t i = std::clamp<size_t>(std::upper_bound(stamps_.begin(), stamps_.end(), stamp_ns) - stamps_.begin(), 1,
-                                        stamps_.size() - 1);
-    const double part = double(stamp_ns - stamps_[i - 1]) / double(stamps_[i] - stamps_[i - 1]);
-    return travel_[i - 1] + part * (travel_[i] - travel_[i - 1]);
-  }
-
-  double total_px() const { return travel_.back(); }
-
  private:
   std::vector<int64_t> stamps_;
-  std::vector<double> travel_, progress_;
+  std::vector<double> progress_;
 };
 
 ShutterPlan SlotsBetween(const std::vector<int64_t>& edges_ns) {
@@ -72,10 +63,10 @@ ShutterPlan SlotsByMotion(const Progress& progress, int count) {
   return SlotsBetween(edges);
 }
 
-double LargestStep(const ShutterPlan& plan, const Progress& progress) {
+double LargestStep(const ShutterPlan& plan, const MotionProfile& motion) {
   double largest = 0;
   for (size_t i = 0; i + 1 < plan.size(); ++i) {
-    largest = std::max(largest, progress.TravelAt(plan[i + 1].stamp_ns) - progress.TravelAt(plan[i].stamp_ns));
+    largest = std::max(largest, motion.TravelAt(plan[i + 1].stamp_ns) - motion.TravelAt(plan[i].stamp_ns));
   }
   return largest;
 }
@@ -120,6 +111,13 @@ int FewestSlots(const ExposureOptions& options, int antialias) {
 
 }  // namespace
 
+double MotionProfile::TravelAt(int64_t stamp_ns) const {
+  const size_t after = size_t(std::upper_bound(stamps_ns.begin(), stamps_ns.end(), stamp_ns) - stamps_ns.begin());
+  const size_t i = std::clamp<size_t>(after, 1, stamps_ns.size() - 1);
+  const double part = double(stamp_ns - stamps_ns[i - 1]) / double(stamps_ns[i] - stamps_ns[i - 1]);
+  return travel_px[i - 1] + part * (travel_px[i] - travel_px[i - 1]);
+}
+
 ShutterInterval WholeShutter(const ExposureOptions& options, int64_t stamp_ns) {
   return Around(stamp_ns, options.exposure_ms + options.readout_ms);
 }
@@ -145,9 +143,9 @@ ShutterPlan PlanShutter(const ExposureOptions& options, int64_t stamp_ns, int an
     GAITCAM_ASSERT(motion.stamps_ns.front() == shutter.open_ns && motion.stamps_ns.back() == shutter.close_ns);
     const Progress progress(motion);
     const int fewest = FewestSlots(options, antialias), most = std::max(fewest, options.max_subframes);
-    int count = std::clamp(int(std::ceil(std::min(progress.total_px() / options.max_step_px, 1e6))), fewest, most);
+    int count = std::clamp(int(std::ceil(std::min(motion.travel_px.back() / options.max_step_px, 1e6))), fewest, most);
     for (plan = SlotsByMotion(progress, count); count < most; plan = SlotsByMotion(progress, ++count)) {
-      if (LargestStep(plan, progress) <= options.max_step_px) break;
+      if (LargestStep(plan, motion) <= options.max_step_px) break;
     }
   }
   ShiftWithinPixels(motion, options.readout_ms > 0, plan);
@@ -176,6 +174,50 @@ std::vector<float> RowWeights(const ExposureOptions& options, int64_t stamp_ns, 
   }
   for (const double part : overlap) weights.push_back(float(part / total));
   return weights;
+}
+
+std::vector<std::vector<float>> SlotWeights(const ExposureOptions& options, int64_t stamp_ns, const ShutterPlan& plan,
+                                            int rows) {
+  std::vector<std::vector<float>> weights(plan.size(), std::vector<float>(size_t(rows)));
+  for (int row = 0; row < rows; ++row) {
+    const std::vector<float> own = RowWeights(options, stamp_ns, plan, row, rows);
+    for (size_t slot = 0; slot < plan.size(); ++slot) weights[slot][size_t(row)] = own[slot];
+  }
+  return weights;
+}
+
+std::vector<KeySlot> PlanKeys(const ShutterPlan& plan, int64_t stamp_ns, int keys) {
+  GAITCAM_ASSERT(keys % 2 == 1 && keys <= int(plan.size()));
+  const int count = int(plan.size());
+  const auto earlier = [](const ShutterSlot& slot, int64_t stamp) { return slot.stamp_ns < stamp; };
+  const double middle = double(std::lower_bound(plan.begin(), plan.end(), stamp_ns, earlier) - plan.begin()) - 0.5;
+  std::vector<double> places;  // in units of sub-frames, which is near to units of motion
+  for (int k = 0; k < keys; ++k) places.push_back((k + 0.5) * count / keys - 0.5);
+  const auto nearest = std::min_element(
+      places.begin(), places.end(), [&](double a, double b) { return std::abs(a - middle) < std::abs(b - middle); });
+  *nearest = middle;
+  std::vector<KeySlot> slots;
+  int first = 0;
+  for (size_t k = 0; k < places.size(); ++k) {
+    const double end = k + 1 < places.size() ? 0.5 * (places[k] + places[k + 1]) : count;
+    KeySlot slot;
+    slot.stamp_ns = places.begin() + ptrdiff_t(k) == nearest ? stamp_ns : plan[size_t(std::lround(places[k]))].stamp_ns;
+    slot.first = first;
+    slot.end = first = std::clamp(int(std::ceil(end)), first, count);
+    slots.push_back(slot);
+  }
+  return slots;
+}
+
+double LongestReach(const std::vector<KeySlot>& keys, const ShutterPlan& plan, const MotionProfile& motion) {
+  double longest = 0;
+  for (const KeySlot& key : keys) {
+    const double at = motion.TravelAt(key.stamp_ns);
+    for (int i = key.first; i < key.end; ++i) {
+      longest = std::max(longest, std::abs(motion.TravelAt(plan[size_t(i)].stamp_ns) - at));
+    }
+  }
+  return longest;
 }
 
 }  // namespace gaitcam

@@ -35,6 +35,9 @@ struct MotionProfile {
   std::vector<double> travel_px;   ///< Starts at 0, never decreases.
   Eigen::Vector2d axis{1, 0};      ///< Unit vector: principal direction of the image motion.
   double typical_px = 0;           ///< Median motion of the image points, from open to close.
+
+  /// @pre there are two stamps at least.
+  double TravelAt(int64_t stamp_ns) const;
 };
 
 struct ShutterSlot {
@@ -53,5 +56,20 @@ ShutterPlan PlanShutter(const ExposureOptions& options, int64_t stamp_ns, int an
 /// Weight of each slot in one row; adds up to 1. Equal to the slots' own weights for a global shutter.
 std::vector<float> RowWeights(const ExposureOptions& options, int64_t stamp_ns, const ShutterPlan& plan, int row,
                               int rows);
+/// The same by slot, then row.
+std::vector<std::vector<float>> SlotWeights(const ExposureOptions& options, int64_t stamp_ns, const ShutterPlan& plan,
+                                            int rows);
+
+/// Which sub-frames a key picture serves (key_picture.h).
+struct KeySlot {
+  int64_t stamp_ns = 0;    ///< Of the key; that of a sub-frame, or mid-exposure.
+  int first = 0, end = 0;  ///< The sub-frames [first, end) lie nearest to it.
+};
+
+/// @param keys how many; odd. One of them is at `stamp_ns`, mid-exposure, the others divide the sub-frames evenly.
+std::vector<KeySlot> PlanKeys(const ShutterPlan& plan, int64_t stamp_ns, int keys);
+
+/// The furthest that any image point moves between a key and a sub-frame that it serves, px.
+double LongestReach(const std::vector<KeySlot>& keys, const ShutterPlan& plan, const MotionProfile& motion);
 
 }  // namespace gaitcam

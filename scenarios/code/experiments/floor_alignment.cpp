@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "algorithms/planes/alignment_image.h"
 #include "algorithms/planes/plane_alignment.h"
 #include "models/code/scenes/scene.h"
+#include "scenarios/code/experiments/processor_time.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "scenarios/code/files/folders.h"
 #include "sim/camera/image_sensor.h"
@@ -36,13 +36,6 @@ constexpr double kRangeHeights = 6;  // farther floor is not aligned
 constexpr double kExact_px = 0.05, kConverged_px = 0.3, kLost_px = 2;
 constexpr double kTilt_deg = 1.0, kDistance = 0.01;  // how well the plane is known beforehand
 const CameraModel kCamera = CameraModel::FromHorizontalFov(320, 240, 60);
-
-double ProcessorTime_ms() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1e3 * double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-3 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 /// A floor as light, in halved copies, and views of it.
 class Floor {

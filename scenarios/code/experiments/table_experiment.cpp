@@ -70,6 +70,14 @@ const std::vector<ExperimentEntry>& ListExperiments() {
        "gaitcam experiment planes --out results/planes.md", MakeFloorAlignment},
       {"psf", "estimated against true point spread functions, on photographs and on a walk",
        "gaitcam experiment psf --frames 20 --out results/psf.md", MakeBlurEstimation},
+      {"speed", "what a blurred frame and the quick start cost, and how exact the frame is",
+       "gaitcam experiment speed --out results/speed.md\n"
+       "gaitcam experiment speed scenarios/tabletop_khr1hv.yaml --frames 20",
+       MakeSpeed},
+      {"tracking_time", "what a frame costs each system, beside SIFT on the same frames",
+       "gaitcam experiment tracking_time --system mobif_vo_plus --system floor_slam --out tracking_time.md\n"
+       "gaitcam experiment tracking_time datasets/lab_loop_brisk-seed1 --system mobif_vo",
+       MakeTrackingTime},
       {"walking", "every humanoid, gait preset and path over several seeds: falls, speed, tilt, path error",
        "gaitcam experiment walking --out results/walking.md\n"
        "gaitcam experiment walking --robot khr1hv --preset brisk",

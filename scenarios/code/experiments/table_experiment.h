@@ -116,6 +116,8 @@ std::unique_ptr<TableExperiment> MakeFloorAlignment();
 std::unique_ptr<TableExperiment> MakeLocalisationTable();
 std::unique_ptr<TableExperiment> MakePlaceDistance();
 std::unique_ptr<TableExperiment> MakeRecordedOdometry();
+std::unique_ptr<TableExperiment> MakeSpeed();
+std::unique_ptr<TableExperiment> MakeTrackingTime();
 std::unique_ptr<TableExperiment> MakeWalking();
 
 }  // namespace gaitcam

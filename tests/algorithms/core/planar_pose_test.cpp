@@ -61,5 +61,12 @@ TEST(PlanarCovariance, OfAnInvertedMotionIsThatOfManyDraws) {
   EXPECT_LT((sum / kDraws - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0.05);
 }
 
+TEST(PlanarMotion, MovesPointsAsItsPoseDoesToTheBit) {
+  const PlanarPose pose({0.3, -1.7}, 2.1);
+  const PlanarMotion motion(pose);
+  for (const double x : {-2.0, 0.0, 0.7})
+    EXPECT_EQ(motion * Eigen::Vector2d(x, 1 - x), pose * Eigen::Vector2d(x, 1 - x));
+}
+
 }  // namespace
 }  // namespace gaitcam

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "tests/algorithms/features/picture.h"
 
@@ -115,6 +117,32 @@ TEST(SiftDescriptor, OrientationIsUphillClockwiseOnTheScreen) {
   ASSERT_EQ(features.size(), 1);
   EXPECT_NEAR(features.keypoints[0].angle, 45, 0.5);  // right and DOWN, as OpenCV has it
   EXPECT_NEAR(features.keypoints[0].size, 4, 1e-6);
+}
+
+/// Responses and descriptors, sorted: the features in an order that depends on nothing but themselves.
+std::vector<std::vector<float>> Sorted(const Features& features) {
+  std::vector<std::vector<float>> all;
+  for (int i = 0; i < features.size(); ++i) {
+    all.push_back({-features.keypoints[size_t(i)].response});
+    const float* row = features.descriptors.ptr<float>(i);
+    all.back().insert(all.back().end(), row, row + features.descriptors.cols);
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+TEST(SiftDescriptor, TheStrongestAreTheSameWhetherAllAreDescribedOrNot) {
+  cv::Mat light;
+  RandomPicture({320, 240}, 4).convertTo(light, CV_32F, 1 / 255.0);
+  const ScaleSpace space = BuildScaleSpace(light, {});
+  const std::vector<ScalePoint> points = DetectHessian(space, {});
+  const auto all = Sorted(DescribeSift(space, points, {}));
+  for (const size_t most : {size_t(1), size_t(40), points.size(), all.size() - 1, all.size() + 1}) {
+    auto strongest = Sorted(DescribeSift(space, points, {}, int(most)));
+    ASSERT_GE(strongest.size(), std::min(most, all.size()));
+    EXPECT_LT(strongest.size(), most + 8) << "one point more, with all its orientations";
+    for (size_t i = 0; i < std::min(most, all.size()); ++i) ASSERT_EQ(strongest[i], all[i]) << most;
+  }
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ class SceneViewer {
     return grey;
   }
   cv::Mat Color(const Pose& X_WC, const CameraModel& camera) {
-    return renderer_.Picture(*world_.data(), X_WC, camera, 4);
+    return renderer_.Picture(*world_.data(), X_WC, camera, 2);
   }
 
  private:

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace gaitcam {
@@ -24,13 +25,6 @@ MotionProfile Profile(const ExposureOptions& options, Speed speed) {
   }
   motion.typical_px = travel;
   return motion;
-}
-
-double TravelAt(const MotionProfile& motion, int64_t stamp) {
-  size_t i = 1;
-  while (i + 1 < motion.stamps_ns.size() && motion.stamps_ns[i] < stamp) ++i;
-  const double part = double(stamp - motion.stamps_ns[i - 1]) / double(motion.stamps_ns[i] - motion.stamps_ns[i - 1]);
-  return motion.travel_px[i - 1] + part * (motion.travel_px[i] - motion.travel_px[i - 1]);
 }
 
 TEST(Shutter, SlotsFillTheShutterAndWeightsAddUp) {
@@ -64,7 +58,7 @@ TEST(Shutter, NoPointMovesFurtherThanTheStepBetweenTwoSubframes) {
   for (const MotionProfile& motion : {Profile(options, steady), Profile(options, uneven), Profile(options, stopping)}) {
     const ShutterPlan plan = PlanShutter(options, kStamp, 1, motion);
     for (size_t i = 1; i < plan.size(); ++i) {
-      EXPECT_LE(TravelAt(motion, plan[i].stamp_ns) - TravelAt(motion, plan[i - 1].stamp_ns), 0.5 + 1e-6);
+      EXPECT_LE(motion.TravelAt(plan[i].stamp_ns) - motion.TravelAt(plan[i - 1].stamp_ns), 0.5 + 1e-6);
     }
     // And hardly more sub-frames than the way needs.
     EXPECT_LE(double(plan.size()), 1.15 * motion.travel_px.back() / 0.5 + 2);
@@ -126,6 +120,32 @@ TEST(Shutter, ARowsWeightsMeanItsOwnMiddle) {
     EXPECT_NEAR(sum, 1, 1e-5);
     // The first and last slot of a row are seen only in part, yet stand for their own middle: off by less than a slot.
     EXPECT_NEAR(mean_ns, 0.5 * double(own.open_ns + own.close_ns) - kStamp, 0.3e6);
+  }
+}
+
+TEST(PlanKeys, EverySubframeHasOneKeyAndTheMiddleIsOne) {
+  ExposureOptions options;
+  for (const double total_px : {3.0, 20.0, 60.0}) {
+    const MotionProfile motion = Profile(options, [&](double t) { return 4 * total_px * t * t * t; });  // a jolt
+    const ShutterPlan plan = PlanShutter(options, kStamp, 4, motion);
+    double reach_before = std::numeric_limits<double>::max();
+    for (int keys = 1; keys <= std::min(9, int(plan.size())); keys += 2) {
+      const std::vector<KeySlot> slots = PlanKeys(plan, kStamp, keys);
+      ASSERT_EQ(int(slots.size()), keys);
+      int next = 0, middles = 0;
+      for (const KeySlot& slot : slots) {
+        EXPECT_EQ(slot.first, next);
+        EXPECT_GE(slot.end, slot.first);
+        next = slot.end;
+        middles += slot.stamp_ns == kStamp;
+      }
+      EXPECT_EQ(next, int(plan.size()));
+      EXPECT_EQ(middles, 1);
+      const double reach = LongestReach(slots, plan, motion);
+      EXPECT_LE(reach, reach_before + 1e-9);  // more keys never lie further away
+      EXPECT_LE(reach, total_px);
+      reach_before = reach;
+    }
   }
 }
 
