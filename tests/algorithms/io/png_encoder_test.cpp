@@ -41,7 +41,7 @@ TEST(PngEncoder, RowsMayLieApart) {
 }
 
 TEST(PngEncoder, MoreCompressionGivesSmallerFiles) {
-  for (const int type : kTypes) {
+  for (const int type : {CV_8UC1, CV_8UC3}) {
     cv::Mat picture;
     cv::GaussianBlur(Picture(type, {320, 240}), picture, {}, 4);  // noise alone cannot be compressed
     const size_t none = EncodePng(picture, 0).size(), fast = EncodePng(picture, 1).size();
