@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
+#include "algorithms/core/errors.h"
 #include "results/scoring/statistics.h"
 #include "scenarios/code/runs/runner.h"
 
@@ -92,17 +92,6 @@ std::vector<int64_t> WorstFrames(const ResolvedScenario& resolved, const LightMe
   return worst;
 }
 
-/// Pixels within 3 px of a depth edge.
-cv::Mat NearEdges(const cv::Mat& depth) {
-  cv::Mat low, high, edges;
-  const cv::Mat cross = cv::getStructuringElement(cv::MORPH_CROSS, {3, 3});
-  cv::erode(depth, low, cross);
-  cv::dilate(depth, high, cross);
-  edges = high > 1.1 * low;
-  cv::dilate(edges, edges, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
-  return edges;
-}
-
 /// The same camera as the scenario's, integrating otherwise.
 struct Rigs {
   CameraRig sheared, plain, fine;
@@ -123,36 +112,6 @@ struct Rigs {
 
 }  // namespace
 
-void GreyDifference::Add(const cv::Mat& a, const cv::Mat& b, const cv::Mat& where) {
-  const int channels = a.channels();
-  for (int row = 0; row < a.rows; ++row) {
-    const uint8_t *from_a = a.ptr<uint8_t>(row), *from_b = b.ptr<uint8_t>(row);
-    for (int i = 0; i < a.cols * channels; ++i) {
-      if (!where.empty() && where.at<uint8_t>(row, i / channels) == 0) continue;
-      ++histogram_[size_t(std::abs(int(from_a[i]) - int(from_b[i])))];
-    }
-  }
-}
-
-double GreyDifference::rms() const {
-  double count = 0, squares = 0;
-  for (size_t d = 0; d < histogram_.size(); ++d) {
-    count += double(histogram_[d]);
-    squares += double(histogram_[d]) * double(d * d);
-  }
-  return count > 0 ? std::sqrt(squares / count) : 0;
-}
-
-int GreyDifference::p99_9() const {
-  double count = 0, below = 0;
-  for (const int64_t n : histogram_) count += double(n);
-  for (size_t d = 0; d < histogram_.size(); ++d) {
-    below += double(histogram_[d]);
-    if (below >= 0.999 * count) return int(d);
-  }
-  return 255;
-}
-
 LightRow MeasureLight(const ResolvedScenario& resolved, const LightMeasurement& options) {
   const SimulationOptions simulated = OptionsOf(resolved, options.longest_s);
   const CameraOptions& camera = simulated.camera;
@@ -160,6 +119,7 @@ LightRow MeasureLight(const ResolvedScenario& resolved, const LightMeasurement& 
   row.name = resolved.scenario.name;
   Rigs rigs(camera);
   const std::vector<int64_t> worst = WorstFrames(resolved, options);
+  if (worst.empty()) throw TooLittleData(row.name + ": its walk has no frames");
   SimulationOptions blind = simulated;  // walks as the scenario does; its own frames are not looked at
   blind.camera.exposure.fixed_subframes = 1;
   Simulation simulation(resolved.robot, resolved.scene, blind, resolved.scenario.seed);
@@ -189,7 +149,7 @@ LightRow MeasureLight(const ResolvedScenario& resolved, const LightMeasurement& 
     if (!options.convergence) continue;
     const cv::Mat plain = expose(rigs.plain, frame, kNoTruth).image.pixels;
     const cv::Mat fine = expose(rigs.fine, frame, kNoTruth).image.pixels;
-    const cv::Mat edges = NearEdges(with_truth.truth.depth);
+    const cv::Mat edges = NearDepthEdges(with_truth.truth.depth);
     row.sheared.Add(sheared.image.pixels, fine);
     row.sheared_edges.Add(sheared.image.pixels, fine, edges);
     row.plain.Add(plain, fine);

@@ -2,26 +2,13 @@
 
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "scenarios/code/files/scenario.h"
+#include "sim/camera/picture_difference.h"
 
 namespace gaitcam {
-
-/// Differences of pictures, in grey levels.
-class GreyDifference {
- public:
-  /// @param where CV_8UC1 of the pictures' size: only where it is not 0; empty: everywhere.
-  void Add(const cv::Mat& a, const cv::Mat& b, const cv::Mat& where = cv::Mat());
-  double rms() const;
-  /// A thousandth of all values differs by more.
-  int p99_9() const;
-
- private:
-  std::array<int64_t, 256> histogram_{};
-};
 
 /// The frames of one walk with the longest blur.
 struct LightRow {

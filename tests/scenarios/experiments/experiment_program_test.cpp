@@ -69,6 +69,8 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"planes --pairs many", "many"},
                                         {"odometry", "study file"},
                                         {"localisation --set duration=1", "duration"},
+                                        {"speed nowhere", "nowhere"},
+                                        {"speed --frames 0", "--frames: 0 is not permitted"},
                                         {"tracking_time nowhere", "nowhere"},
                                         {"tracking_time --system mobif_v", "mobif_v"},
                                         {"walking --robot khr1v", "khr1v"},

@@ -4,12 +4,11 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <numeric>
-#include <opencv2/imgproc.hpp>
 
 #include "models/code/robots/robot.h"
 #include "models/code/scenes/scene.h"
 #include "sim/camera/camera_rig.h"
+#include "sim/camera/picture_difference.h"
 #include "sim/sensors/sensors.h"
 #include "sim/walking/walker.h"
 #include "tests/data_folder.h"
@@ -267,48 +266,6 @@ class BriskWalk {
   std::unique_ptr<Controller> walker_;
 };
 
-/// How far pictures differ, in grey levels.
-class Difference {
- public:
-  /// @param where CV_8UC1: only where it is not 0; empty: everywhere.
-  void Add(const cv::Mat& a, const cv::Mat& b, const cv::Mat& where = cv::Mat()) {
-    for (int i = 0; i < int(a.total()) * 3; ++i) {
-      if (!where.empty() && where.data[i / 3] == 0) continue;
-      ++histogram_[size_t(std::abs(int(a.data[i]) - int(b.data[i])))];
-    }
-  }
-  double rms() const {
-    double count = 0, squares = 0;
-    for (size_t d = 0; d < histogram_.size(); ++d) {
-      count += double(histogram_[d]);
-      squares += double(histogram_[d]) * double(d * d);
-    }
-    return std::sqrt(squares / count);
-  }
-  int p99_9() const {
-    const double count = double(std::accumulate(histogram_.begin(), histogram_.end(), int64_t{0}));
-    double below = 0;
-    for (size_t d = 0; d < histogram_.size(); ++d) {
-      if ((below += double(histogram_[d])) >= 0.999 * count) return int(d);
-    }
-    return 255;
-  }
-
- private:
-  std::vector<int64_t> histogram_ = std::vector<int64_t>(256, 0);
-};
-
-/// Pixels within 3 px of a depth edge.
-cv::Mat NearEdges(const cv::Mat& depth) {
-  cv::Mat low, high, edges;
-  const cv::Mat cross = cv::getStructuringElement(cv::MORPH_CROSS, {3, 3});
-  cv::erode(depth, low, cross);
-  cv::dilate(depth, high, cross);
-  edges = high > 1.1 * low;
-  cv::dilate(edges, edges, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
-  return edges;
-}
-
 ExposureOptions Plain(ExposureOptions options, double finer = 1) {
   options.integration = LightIntegration::kPlain;
   options.max_step_px /= finer;
@@ -331,7 +288,7 @@ TEST(Exposure, ConvergesOnBriskFrames) {
   Renderer renderer(walk.world().model(), {}, walk.world().pictures());
   CameraRig sheared_rig(sheared, 1), plain_rig(plain, 1), fine_rig(fine, 1);
   const TruthOptions none{false, false, false}, depth{false, true, false};
-  Difference of_sheared, of_plain, at_edges;
+  GreyDifference of_sheared, of_plain, at_edges;
   double longest = 0, renders = 0, subframes = 0;
   for (const int frame : {45, 52, 59, 66, 73, 80, 87, 94}) {  // over all phases of a step, once it walks at speed
     walk.WalkToFrame(frame);
@@ -341,7 +298,7 @@ TEST(Exposure, ConvergesOnBriskFrames) {
     const ExposedFrame c = fine_rig.Expose(renderer, record, frame, depth).left;
     EXPECT_GE(double(c.truth.renders), 3.8 * double(b.truth.renders));
     of_sheared.Add(a.image.pixels, c.image.pixels);
-    at_edges.Add(a.image.pixels, c.image.pixels, NearEdges(c.truth.depth));
+    at_edges.Add(a.image.pixels, c.image.pixels, NearDepthEdges(c.truth.depth));
     of_plain.Add(b.image.pixels, c.image.pixels);
     longest = std::max(longest, a.truth.blur_max_px);
     renders += a.truth.renders;
@@ -363,7 +320,7 @@ std::pair<double, double> DifferencesFromFine(Film& film, const ExposureOptions&
   const ExposedFrame plain = film.Expose(Plain(options), flight);
   const ExposedFrame fine = film.Expose(Plain(options, 4), flight, 16);
   truth = sheared.truth;
-  Difference of_sheared, of_plain;
+  GreyDifference of_sheared, of_plain;
   of_sheared.Add(sheared.image.pixels, fine.image.pixels);
   of_plain.Add(plain.image.pixels, fine.image.pixels);
   return {of_sheared.rms(), of_plain.rms()};
