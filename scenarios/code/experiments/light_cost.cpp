@@ -18,8 +18,10 @@ double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 /// MuJoCo's own loop with the same effects switched off.
 class BareLoop {
  public:
-  BareLoop(const mjModel* model, int width_px, int height_px)
-      : model_(*model), view_{0, 0, width_px, height_px}, rgb_(size_t(3) * size_t(width_px) * size_t(height_px)) {
+  BareLoop(const World& world, int width_px, int height_px)
+      : model_(*world.model()),
+        view_{0, 0, width_px, height_px},
+        rgb_(size_t(3) * size_t(width_px) * size_t(height_px)) {
     mjv_defaultOption(&option_);
     mjv_defaultScene(&scene_);
     mjv_makeScene(&model_, &scene_, 2000);
@@ -32,6 +34,7 @@ class BareLoop {
     model_.vis.quality.offsamples = 0;
     mjr_defaultContext(&context_);
     mjr_makeContext(&model_, &context_, mjFONTSCALE_50);
+    UploadPictures(&model_, context_, world.pictures());
   }
   ~BareLoop() {
     mjr_freeContext(&context_);
@@ -123,7 +126,7 @@ LightRow MeasureLight(const ResolvedScenario& resolved, const LightMeasurement& 
   SimulationOptions blind = simulated;  // walks as the scenario does; its own frames are not looked at
   blind.camera.exposure.fixed_subframes = 1;
   Simulation simulation(resolved.robot, resolved.scene, blind, resolved.scenario.seed);
-  BareLoop bare(simulation.world().model(), camera.width_px, camera.height_px);
+  BareLoop bare(simulation.world(), camera.width_px, camera.height_px);
   std::vector<double> blur_px, seconds, ratio, ratio_with_truth;
   const auto expose = [&](CameraRig& rig, int64_t frame, const TruthOptions& truth) {
     return rig.Expose(simulation.renderer(), simulation.world().record(), frame, truth).left;
