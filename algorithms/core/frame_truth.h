@@ -45,10 +45,10 @@ struct Subframe {
 struct FilmedTruth : FrameTruth {
   std::vector<Subframe> subframes;
   int renders = 0;  ///< How many pictures were rendered for the image; the other sub-frames were computed from them.
-  cv::Mat sharp;  ///< CV_8UC1 or CV_8UC3: one instant at mid-exposure, same optics and response, no noise.
-  cv::Mat depth;  ///< CV_32FC1, m along the optical axis at mid-exposure; 0 where nothing is.
-  cv::Mat blur;   ///< CV_32FC2, px: how far the point seen here moved from shutter open to close (net vector); NaN
-                  ///< where unknown.
+  cv::Mat sharp;    ///< CV_8UC1 or CV_8UC3: one instant at mid-exposure, same optics and response, no noise.
+  cv::Mat depth;    ///< CV_32FC1, m along the optical axis at mid-exposure; 0 where nothing is.
+  cv::Mat blur;     ///< CV_32FC2, px: how far the point seen here moved from shutter open to close (net vector); NaN
+                    ///< where unknown.
 };
 
 }  // namespace gaitcam

@@ -85,10 +85,11 @@ class Speed : public ExperimentOf<SpeedOptions> {
     const std::string brisk = (DataFolder() / "scenarios/lab_loop_brisk.yaml").string();
     AddLight(setup, light_, brisk, {"camera.width_px=640", "camera.height_px=480"}, ", 640 x 480");
     MeasureCrowd(setup);
+    MeasureTracking(setup);
     if (!options_.before.empty()) CompareQuickStarts(setup);
   }
 
-  std::string Table() const override { return LightTable() + CrowdTable() + QuickStartTable(); }
+  std::string Table() const override { return LightTable() + CrowdTable() + tracking_ + QuickStartTable(); }
 
  private:
   void AddLight(const ExperimentSetup& setup, std::vector<LightRow>& rows, const std::string& file,
@@ -110,6 +111,20 @@ class Speed : public ExperimentOf<SpeedOptions> {
     const std::vector<std::string> brief{"duration_s=3"};
     AddLight(setup, crowd_, file, brief, "", false);
     AddLight(setup, crowd_, file, {brief[0], people}, fmt::format(", {} people", options_.people), false);
+  }
+
+  /// The experiment tracking_time, as a section of this one's table.
+  void MeasureTracking(const ExperimentSetup& setup) {
+    const std::unique_ptr<TableExperiment> tracking = MakeTrackingTime();
+    for (const ExperimentOption& option : tracking->Options().options) {
+      if (option.key == "system") {
+        *std::get<std::vector<std::string>*>(option.value) = {"mobif_vo_plus", "mobif_vo", "floor_slam"};
+      } else if (option.key == "set") {
+        *std::get<std::vector<std::string>*>(option.value) = {"duration_s=15"};
+      }
+    }
+    tracking->Run(setup);
+    tracking_ = "\n#" + tracking->Table();
   }
 
   void CompareQuickStarts(const ExperimentSetup& setup) {
@@ -173,7 +188,7 @@ class Speed : public ExperimentOf<SpeedOptions> {
         QuantileOf(now_s_, 0), QuantileOf(now_s_, 1), MedianOf(ratio), QuantileOf(ratio, 0), QuantileOf(ratio, 1));
   }
 
-  std::string command_;
+  std::string command_, tracking_;
   std::vector<LightRow> light_, crowd_;
   std::vector<double> before_s_, now_s_;
 };

@@ -88,7 +88,7 @@ TEST_F(ExecutorTest, ARunThatCannotBeIsAFailureWithItsReasonAndTheOthersGoOn) {
 
 TEST_F(ExecutorTest, AnInterruptLeavesNothingHalfWritten) {
   int asked = 0;
-  options_.interrupted = [&asked] { return ++asked > 40; };  // some 0.2 s: within the first recording
+  options_.interrupted = [&asked] { return ++asked > 10; };  // some 0.05 s: within the first recording
   const ExecutorOutcome outcome = ExecuteLocally({Item("seed: 5\n"), Item("seed: 6\n")}, options_);
   EXPECT_TRUE(outcome.interrupted);
   for (const auto& entry : fs::directory_iterator(options_.runs)) {
