@@ -110,7 +110,8 @@ Features DetectFeatures(cv::Feature2D& detector, const cv::Mat& image, int max_f
   GAITCAM_ASSERT(image.type() == CV_8UC1 || image.type() == CV_8UC3);
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  const auto [keypoints, descriptors] = FeaturesOf(detector, grey, max_features);
+  const Features found = FeaturesOf(detector, grey, max_features);
+  const std::vector<cv::KeyPoint>& keypoints = found.keypoints;
   // OpenCV keeps ties at the limit and promises no order: choose and order by value.
   std::vector<int> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0);
@@ -121,7 +122,7 @@ Features DetectFeatures(cv::Feature2D& detector, const cv::Mat& image, int max_f
   features.descriptors.create(int(order.size()), detector.descriptorSize(), detector.descriptorType());
   for (size_t i = 0; i < order.size(); ++i) {
     features.keypoints.push_back(keypoints[size_t(order[i])]);
-    descriptors.row(order[i]).copyTo(features.descriptors.row(int(i)));
+    found.descriptors.row(order[i]).copyTo(features.descriptors.row(int(i)));
   }
   return features;
 }

@@ -24,7 +24,7 @@ class BareLoop {
         rgb_(size_t(3) * size_t(width_px) * size_t(height_px)) {
     mjv_defaultOption(&option_);
     mjv_defaultScene(&scene_);
-    mjv_makeScene(&model_, &scene_, 2000);
+    mjv_makeScene(&model_, &scene_, model_.ngeom + 100);
     scene_.flags[mjRND_SHADOW] = scene_.flags[mjRND_REFLECTION] = 0;
     mjv_defaultCamera(&camera_);
     camera_.type = mjCAMERA_FIXED;

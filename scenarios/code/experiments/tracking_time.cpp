@@ -101,6 +101,7 @@ class TrackingTime : public ExperimentOf<TrackingTimeOptions> {
     for (const std::string& text : options_.system) {
       systems.push_back(ParseSystemChoice(text));
       const SystemChoice& choice = systems.back();
+      InfoOf(choice);  // now, not after the walk was recorded: is there such a system?
       if (choice.command || choice.process) throw BadInput(text + ": only what runs in this program is timed");
     }
     for (const std::string& walk : options_.walks.paths) Measure(walk, systems, setup);
