@@ -200,7 +200,7 @@ std::optional<int> ExposingCamera::KeyDetail(const std::vector<SceneInstant>& lo
   const SeenPoints points(lens_->rays(), depth, cv::Mat(), looks[looks.size() / 2], stride);
   const double travel_px = MeasureMotion(camera, points, looks).travel_px.back();
   if (std::max(travel_px / exposure.max_step_px, double(options_.antialias)) < kFewSubframes) return std::nullopt;
-  const int enough = int(std::lround(180 / std::sqrt(camera.width_px * travel_px)));
+  const int enough = int(std::lround(180 / std::sqrt(camera.width_px * std::max(travel_px, 1.0))));
   const int detail = std::max(std::clamp(enough, kLeastDetail, kMostDetail), DetailFor(options_.antialias));
   if (double(detail) * detail * camera.width_px * camera.height_px > kMostKeyPixels) return std::nullopt;
   return detail;
