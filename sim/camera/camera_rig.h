@@ -77,8 +77,7 @@ void VisitFields(Visitor& visit, CameraOptions& o) {
   visit("pitch_deg", o.pitch_deg, Between(-90, 90), "tilt of the mount, positive looks down");
   visit("grey", o.grey, Nested(), "monochrome sensor");
   visit("depth", o.depth, Nested(), "depth beside the left image, at mid-exposure");
-  visit("antialias", o.antialias, Between(1, 64),
-        "at least so many pictures, shifted within the pixel, make one image");
+  visit("antialias", o.antialias, Between(1, 64), "at least so many samples, spread over its square, make a pixel");
   visit("shadows", o.shadows, Nested(), "cast shadows; several times slower in software");
   VisitFields(visit, o.exposure);
   visit("lens", o.lens, Nested(), "distortion and principal point");

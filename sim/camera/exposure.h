@@ -48,7 +48,8 @@ struct TruthOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, TruthOptions& o) {
-  visit("sharp", o.sharp, Nested(), "the sharp twin of every frame; costs as many renders as camera.antialias");
+  visit("sharp", o.sharp, Nested(),
+        "the sharp twin of every frame; rendered plainly it costs camera.antialias + 1 renders");
   visit("depth", o.depth, Nested(), "depth at mid-exposure");
   visit("blur", o.blur, Nested(), "blur vectors at every pixel");
 }
@@ -56,8 +57,9 @@ void VisitFields(Visitor& visit, TruthOptions& o) {
 /// How a camera turns what it sees into an image.
 struct FilmOptions {
   ExposureOptions exposure;
-  int antialias = 4;  ///< Minimum number of renders of a frame or a sharp twin, unless exposure.fixed_subframes is set.
-  bool grey = false;  ///< Monochrome sensor.
+  int antialias =
+      4;  ///< Samples of a pixel of a frame or a sharp twin at least, unless exposure.fixed_subframes is set.
+  bool grey = false;         ///< Monochrome sensor.
   double softness_px = 0.5;  ///< Standard deviation of the lens's point spread.
 };
 

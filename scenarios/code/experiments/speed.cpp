@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +12,7 @@
 #include "scenarios/code/experiments/light_cost.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "scenarios/code/files/folders.h"
+#include "scenarios/code/systems/private_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -128,15 +128,13 @@ class Speed : public ExperimentOf<SpeedOptions> {
   }
 
   void CompareQuickStarts(const ExperimentSetup& setup) {
-    const fs::path folder = fs::temp_directory_path() / fmt::format("gaitcam-speed-{}", getpid());
-    fs::create_directories(folder);
+    const PrivateFolder folder;
     for (int i = 0; i < options_.runs; ++i) {
-      before_s_.push_back(TimeOfQuickStart(options_.before, folder));
-      now_s_.push_back(TimeOfQuickStart(setup.program.string(), folder));
+      before_s_.push_back(TimeOfQuickStart(options_.before, folder.path()));
+      now_s_.push_back(TimeOfQuickStart(setup.program.string(), folder.path()));
       if (!setup.quiet)
         fmt::print(stderr, "quick start: {:.1f} s before, {:.1f} s now\n", before_s_.back(), now_s_.back());
     }
-    fs::remove_all(folder);
   }
 
   std::string LightTable() const {

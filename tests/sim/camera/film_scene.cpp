@@ -85,6 +85,16 @@ Flight ConstantTwist(const Pose& X_WC, const Eigen::Vector3d& v, const Eigen::Ve
   };
 }
 
+SceneInstant PlaceFlyer(const mjModel* model, mjData* data, const Pose& X_WC) {
+  const Eigen::Quaterniond& q = X_WC.rotation;
+  const double qpos[] = {X_WC.translation.x(), X_WC.translation.y(), X_WC.translation.z(), q.w(), q.x(), q.y(), q.z()};
+  std::copy(qpos, qpos + 7, data->qpos);
+  mj_kinematics(model, data);
+  mj_comPos(model, data);
+  mj_camlight(model, data);
+  return CaptureInstant(model, *data, FindCamera(model, "camera.left"), 0);
+}
+
 Pose LookingAlongX(const Eigen::Vector3d& position) {
   Eigen::Matrix3d R;
   R.col(0) = Eigen::Vector3d(0, -1, 0);

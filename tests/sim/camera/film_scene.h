@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "algorithms/core/pose.h"
+#include "sim/camera/blur_field.h"
 #include "sim/camera/egl_context.h"
 #include "sim/camera/renderer.h"
 #include "sim/world/world.h"
@@ -43,6 +44,9 @@ MotionRecord RecordFlight(const mjModel* model, const Flight& flight, double beg
 
 /// Starts at X_WC and moves with constant twist in its own frame: v m/s, w rad/s.
 Flight ConstantTwist(const Pose& X_WC, const Eigen::Vector3d& v, const Eigen::Vector3d& w);
+
+/// The flyer of a FlyerModel at rest at a pose, with kinematics for rendering.
+SceneInstant PlaceFlyer(const mjModel* model, mjData* data, const Pose& X_WC);
 
 /// Looks along the world's +x, level.
 Pose LookingAlongX(const Eigen::Vector3d& position);

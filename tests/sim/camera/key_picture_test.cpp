@@ -33,15 +33,9 @@ struct Stage {
   explicit Stage(MjModelPtr m) : model(std::move(m)), data(mj_makeData(model.get())), renderer(model.get()) {}
 
   SceneInstant MoveTo(const Pose& X_WC) {
-    const Eigen::Quaterniond& q = X_WC.rotation;
-    const double qpos[] = {
-        X_WC.translation.x(), X_WC.translation.y(), X_WC.translation.z(), q.w(), q.x(), q.y(), q.z()};
-    std::copy(qpos, qpos + 7, data->qpos);
-    mj_kinematics(model.get(), data.get());
-    mj_comPos(model.get(), data.get());
-    mj_camlight(model.get(), data.get());
+    const SceneInstant there = PlaceFlyer(model.get(), data.get(), X_WC);
     renderer.Update(*data);
-    return CaptureInstant(model.get(), *data, FindCamera(model.get(), "camera.left"), 0);
+    return there;
   }
 
   KeyPicture See(const SceneInstant& at, int finer) {

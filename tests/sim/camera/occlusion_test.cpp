@@ -21,16 +21,7 @@ struct Stage {
   Lens lens{SmallCamera()};
   KeyCamera camera{lens};
 
-  SceneInstant At(const Pose& X_WC) {
-    const Eigen::Quaterniond& q = X_WC.rotation;
-    const double qpos[] = {
-        X_WC.translation.x(), X_WC.translation.y(), X_WC.translation.z(), q.w(), q.x(), q.y(), q.z()};
-    std::copy(qpos, qpos + 7, data->qpos);
-    mj_kinematics(model.get(), data.get());
-    mj_comPos(model.get(), data.get());
-    mj_camlight(model.get(), data.get());
-    return CaptureInstant(model.get(), *data, FindCamera(model.get(), "camera.left"), 0);
-  }
+  SceneInstant At(const Pose& X_WC) { return PlaceFlyer(model.get(), data.get(), X_WC); }
 
   /// Of an exposure between two poses, seen from the origin.
   GreyError Error(const Pose& open, const Pose& close) {

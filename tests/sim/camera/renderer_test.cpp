@@ -52,11 +52,15 @@ TEST(Renderer, TheCentreOfTheFirstPixelIsTheOrigin) {
   Stage stage(FlyerModel("<geom type='box' pos='1 0.21 0.13' size='0.00001 0.05 0.04' rgba='1 1 1 1'/>"));
   const Pose X_WC = LookingAlongX({0, 0, 0});
   const Eigen::Vector3d centre(0.99999, 0.21, 0.13);
-  for (const CameraModel& camera : {CameraModel::FromHorizontalFov(160, 120, 60), OffCentreCamera()}) {
-    const cv::Mat picture = stage.renderer.Picture(*stage.data, X_WC, camera, 32);
-    // 32 samples in a row locate each edge, and so the middle of two, to 1/64 px; a picture that is off by one of its
-    // own pixels is off by 1/32 px.
-    EXPECT_NEAR((CentreOfLight(picture) - *camera.Project(X_WC.Inverse() * centre)).norm(), 0, 0.016 * std::sqrt(2));
+  const CameraModel centred = CameraModel::FromHorizontalFov(80, 60, 60);
+  CameraModel off_centre = centred;
+  off_centre.cx += 5.3;
+  off_centre.cy -= 3.6;
+  for (const CameraModel& camera : {centred, off_centre}) {
+    const cv::Mat picture = stage.renderer.Picture(*stage.data, X_WC, camera, 64);
+    // 64 samples in a row locate each edge, and so the middle of two, to 1/128 px in either direction: 0.011 px
+    // together. A picture that is off by one of its own pixels is off by 1/64 px.
+    EXPECT_NEAR((CentreOfLight(picture) - *camera.Project(X_WC.Inverse() * centre)).norm(), 0, 0.011);
   }
 }
 
