@@ -111,7 +111,7 @@ class TrackingTime : public ExperimentOf<TrackingTimeOptions> {
         "# What tracking a frame costs\n\nMade by `{}`. Times in ms per frame, one thread's, as the processor counts "
         "them: what else the machine does hardly lengthens them. Beside every frame's tracking stands cv::SIFT's "
         "detectAndCompute, with its defaults, on the same frame in the same process, one after the other. The ratio "
-        "is the median over SIFT's.\n\n"
+        "is the median over SIFT's. What a system does after its last frame is not counted.\n\n"
         "| walk | image | frames | system | median | 95 % | worst | worst / median | SIFT | SIFT, worst | ratio |\n"
         "|---|---|---:|---|---:|---:|---:|---:|---:|---:|---:|\n",
         command_);
