@@ -263,20 +263,25 @@ bool Simulation::WalkToNextFrame() {
   return true;
 }
 
-SimulatedFrame Simulation::Film(const TruthOptions& truth) {
+LatentSimulatedFrame Simulation::Film(const TruthOptions& truth) {
   const int64_t stamp_ns = rig_.FrameStamp(frame_);
-  RigFrame exposed = rig_.Expose(renderer_, world_.record(), frame_++, truth);
-  SimulatedFrame frame;
-  frame.observation.stamp_ns = stamp_ns;
-  frame.observation.exposure_ms = options_.camera.exposure.exposure_ms;
+  LatentSimulatedFrame latent{{}, rig_.Film(renderer_, world_.record(), frame_++, truth)};
+  Observation& seen = latent.observation;
+  seen.stamp_ns = stamp_ns;
+  seen.exposure_ms = options_.camera.exposure.exposure_ms;
+  seen.imu = sensors_.TakeImu();
+  seen.joints = std::exchange(joints_, {});
+  seen.scan = ScanAt(stamp_ns);
+  FillTruth(stamp_ns, latent.film.left.frame.truth);
+  return latent;
+}
+
+SimulatedFrame Simulation::Develop(LatentSimulatedFrame latent) const {
+  RigFrame exposed = rig_.Develop(std::move(latent.film));
+  SimulatedFrame frame{std::move(latent.observation), std::move(exposed.left.truth)};
   frame.observation.image = std::move(exposed.left.image);
   if (exposed.right) frame.observation.right = std::move(exposed.right->image);
   frame.observation.depth = std::move(exposed.depth);
-  frame.observation.imu = sensors_.TakeImu();
-  frame.observation.joints = std::exchange(joints_, {});
-  frame.observation.scan = ScanAt(stamp_ns);
-  frame.truth = std::move(exposed.left.truth);
-  FillTruth(stamp_ns, frame.truth);
   ToSensorClock(frame);
   return frame;
 }
@@ -287,14 +292,20 @@ void Simulation::SkipFrame() {
   joints_.clear();
 }
 
-std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
+std::optional<LatentSimulatedFrame> Simulation::NextLatent(const TruthOptions& truth) {
   if (!WalkToNextFrame()) return std::nullopt;
   return Film(truth);
 }
 
+std::optional<SimulatedFrame> Simulation::Next(const TruthOptions& truth) {
+  std::optional<LatentSimulatedFrame> latent = NextLatent(truth);
+  if (!latent) return std::nullopt;
+  return Develop(std::move(*latent));
+}
+
 std::optional<SimulatedFrame> Simulation::NextFrom(double time_s, const TruthOptions& truth) {
   while (WalkToNextFrame()) {
-    if (1e-9 * double(world_.stamp_ns()) >= time_s) return Film(truth);
+    if (1e-9 * double(world_.stamp_ns()) >= time_s) return Develop(Film(truth));
     SkipFrame();
   }
   return std::nullopt;
@@ -302,7 +313,7 @@ std::optional<SimulatedFrame> Simulation::NextFrom(double time_s, const TruthOpt
 
 std::optional<SimulatedFrame> Simulation::NextOfScan(const TruthOptions& truth) {
   while (controller_->Scans() && WalkToNextFrame()) {
-    if (ScanAt(rig_.FrameStamp(frame_))) return Film(truth);
+    if (ScanAt(rig_.FrameStamp(frame_))) return Develop(Film(truth));
     SkipFrame();
   }
   return std::nullopt;

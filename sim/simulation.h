@@ -37,6 +37,12 @@ struct SimulatedFrame {
   FilmedTruth truth;  ///< Never shown to an estimator.
 };
 
+/// A frame that was filmed and not developed yet. It holds all that Simulation::Develop needs.
+struct LatentSimulatedFrame {
+  Observation observation;  ///< All but images and depth; stamps of the world's clock.
+  LatentRigFrame film;
+};
+
 enum class SimulationStatus {
   kWalking,
   kFinished,  ///< The path or the time ended with the robot on its feet.
@@ -57,6 +63,11 @@ class Simulation {
   /// Walks on to the end of the next exposure. @param truth which costly parts of the truth are wanted.
   /// @returns nothing when the run is over: see status().
   std::optional<SimulatedFrame> Next(const TruthOptions& truth = {});
+
+  /// The same, but only films: develops nothing, which takes no renderer and no world.
+  std::optional<LatentSimulatedFrame> NextLatent(const TruthOptions& truth = {});
+  /// May run on another thread while the walk goes on.
+  SimulatedFrame Develop(LatentSimulatedFrame latent) const;
 
   /// Walks on without filming to the first frame whose exposure ends at `time_s` or later, and films that.
   std::optional<SimulatedFrame> NextFrom(double time_s, const TruthOptions& truth = {});
@@ -102,7 +113,7 @@ class Simulation {
   void CheckLeavingPath() const;
   bool WalkUntil(int64_t stamp_ns);
   bool WalkToNextFrame();
-  SimulatedFrame Film(const TruthOptions& truth);
+  LatentSimulatedFrame Film(const TruthOptions& truth);
   void SkipFrame();
   void PutAtStart();
   void Control();

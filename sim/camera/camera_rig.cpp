@@ -87,7 +87,8 @@ int64_t CameraRig::FrameStamp(int64_t frame) const {
   return first + int64_t(std::llround(double(frame) * 1e9 / options_.rate_hz));
 }
 
-RigFrame CameraRig::Expose(Renderer& renderer, const MotionRecord& record, int64_t frame, const TruthOptions& truth) {
+LatentRigFrame CameraRig::Film(Renderer& renderer, const MotionRecord& record, int64_t frame,
+                               const TruthOptions& truth) {
   if (cameras_.empty()) {
     const FilmOptions film{options_.exposure, options_.antialias, options_.grey, options_.lens.softness_px};
     for (const WorldCamera& camera : WorldCameras()) {
@@ -98,11 +99,17 @@ RigFrame CameraRig::Expose(Renderer& renderer, const MotionRecord& record, int64
   const auto noise = [&](size_t i) { return RandomStream(seed_, kNames[i] + ("." + std::to_string(frame))); };
   TruthOptions wanted = truth;
   wanted.depth |= options_.depth;
-  RigFrame result;
-  result.left = cameras_[0].Expose(renderer, record, stamp_ns, wanted, noise(0));
-  if (options_.depth) result.depth = Image{stamp_ns, result.left.truth.depth};
+  LatentRigFrame latent{cameras_[0].Film(renderer, record, stamp_ns, wanted, noise(0)), std::nullopt};
   constexpr TruthOptions kPosesOnly{false, false, false};
-  if (cameras_.size() > 1) result.right = cameras_[1].Expose(renderer, record, stamp_ns, kPosesOnly, noise(1));
+  if (cameras_.size() > 1) latent.right = cameras_[1].Film(renderer, record, stamp_ns, kPosesOnly, noise(1));
+  return latent;
+}
+
+RigFrame CameraRig::Develop(LatentRigFrame latent) const {
+  RigFrame result;
+  result.left = cameras_[0].Develop(std::move(latent.left));
+  if (options_.depth) result.depth = Image{result.left.image.stamp_ns, result.left.truth.depth};
+  if (latent.right) result.right = cameras_[1].Develop(std::move(*latent.right));
   return result;
 }
 

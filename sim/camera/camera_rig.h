@@ -91,6 +91,12 @@ struct RigFrame {
   std::optional<Image> depth;         ///< CV_32FC1, m, of the left camera at mid-exposure.
 };
 
+/// The same before it is developed.
+struct LatentRigFrame {
+  LatentFrame left;
+  std::optional<LatentFrame> right;
+};
+
 class CameraRig {
  public:
   /// @throws BadOption.
@@ -107,9 +113,16 @@ class CameraRig {
   /// The time that the motion record must cover to expose a frame of this stamp.
   ShutterInterval Shutter(int64_t stamp_ns) const { return WholeShutter(options_.exposure, stamp_ns); }
 
-  /// Films frame number `frame` at FrameStamp(frame). Its noise depends on the seed and this number alone.
+  /// Renders what frame number `frame` needs, at FrameStamp(frame). Its noise depends on the seed and this number
+  /// alone.
   /// @param record covers Shutter(FrameStamp(frame)). @param truth what to make for the left camera.
-  RigFrame Expose(Renderer& renderer, const MotionRecord& record, int64_t frame, const TruthOptions& truth);
+  LatentRigFrame Film(Renderer& renderer, const MotionRecord& record, int64_t frame, const TruthOptions& truth);
+  /// Makes the images. May run on another thread while Film() renders later frames.
+  RigFrame Develop(LatentRigFrame latent) const;
+  /// Both in one.
+  RigFrame Expose(Renderer& renderer, const MotionRecord& record, int64_t frame, const TruthOptions& truth) {
+    return Develop(Film(renderer, record, frame, truth));
+  }
 
   /// Changes the noise of the frames that follow.
   void Reseed(uint64_t seed) { seed_ = seed; }

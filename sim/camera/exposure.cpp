@@ -81,15 +81,6 @@ double CostOf(int keys, int detail) { return keys * (0.3 + 0.75 * detail * detai
 
 }  // namespace
 
-/// What is seen at mid-exposure.
-struct ExposingCamera::Middle {
-  SceneInstant instant;
-  std::optional<KeyPicture> key;  ///< Unless the light is integrated plainly.
-  cv::Mat depth, bodies;          ///< As the camera sees them; no bodies where only the world is in view.
-  cv::Mat sharp;                  ///< Light of the sharp twin, if asked for.
-  std::optional<SeenPoints> points;
-};
-
 ExposingCamera::ExposingCamera(const mjModel* model, const std::string& camera_name, const CameraModel& camera,
                                const FilmOptions& options)
     : model_(model),
@@ -152,31 +143,28 @@ cv::Mat ExposingCamera::SoftenSheared(const cv::Mat& light) const {
   return Soften(colours, LensVariance());
 }
 
-ExposingCamera::Middle ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
-                                                 std::optional<int> detail, bool sharp) {
-  Middle middle;
-  middle.instant = At(record, stamp_ns);
+void ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, std::optional<int> detail,
+                               LatentFrame& latent) {
+  latent.middle = At(record, latent.frame.image.stamp_ns);
   renderer.Update(*data_);
   const CameraModel& pinhole = lens_->pinhole();
-  const Pose& X_WC = middle.instant.X_WC;
+  const Pose& X_WC = latent.middle.X_WC;
   if (detail) {
     const CameraModel largest = keys_.Raster(std::max(*detail, kMostDetail));
     renderer.Reserve(largest.width_px, largest.height_px);
-    middle.key = keys_.See(renderer, *data_, middle.instant, *detail, Eigen::Vector2d::Zero());
-    middle.depth = lens_->WarpDepth(middle.key->depth, middle.key->camera);
-    if (!middle.key->bodies.empty()) middle.bodies = middle.key->bodies.colRange(0, middle.depth.cols);
-    if (sharp) middle.sharp = Sharp(*middle.key);
+    latent.middle_key = keys_.See(renderer, *data_, latent.middle, *detail, Eigen::Vector2d::Zero(), &latent.depth);
+    const KeyPicture& key = *latent.middle_key;
+    if (!key.bodies.empty()) latent.bodies = key.bodies.colRange(0, latent.depth.cols);
   } else {
     renderer.Draw(*data_, X_WC, pinhole);
-    middle.depth = lens_->WarpDepth(renderer.ReadDepth());
-    if (sharp) middle.sharp = Sharp(renderer, X_WC);
+    latent.depth = lens_->WarpDepth(renderer.ReadDepth());
+    if (latent.wanted.sharp) latent.sharp = Sharp(renderer, X_WC);
     if (renderer.SeesMovingBodies(X_WC, pinhole)) {
-      middle.bodies = lens_->WarpLabels(renderer.Bodies(*data_, X_WC, pinhole));
+      latent.bodies = lens_->WarpLabels(renderer.Bodies(*data_, X_WC, pinhole));
     }
   }
   const int stride = std::max(1, lens_->camera().width_px / kPointsAcross);
-  middle.points.emplace(lens_->rays(), middle.depth, middle.bodies, middle.instant, stride);
-  return middle;
+  latent.points.emplace(lens_->rays(), latent.depth, latent.bodies, latent.middle, stride);
 }
 
 std::vector<SceneInstant> ExposingCamera::LookAround(const MotionRecord& record, const ShutterInterval& shutter) {
@@ -207,16 +195,16 @@ std::optional<int> ExposingCamera::KeyDetail(const std::vector<SceneInstant>& lo
 }
 
 /// @returns 0 if all sub-frames had better be rendered.
-int ExposingCamera::CountKeys(const Middle& middle, const std::vector<SceneInstant>& looks, const ShutterPlan& plan,
-                              const MotionProfile& motion) const {
-  if (!middle.key) return 0;
+int ExposingCamera::CountKeys(const LatentFrame& latent, const std::vector<SceneInstant>& looks,
+                              const ShutterPlan& plan, const MotionProfile& motion) const {
+  if (!latent.middle_key) return 0;
   const int most = int(plan.size());
   if (motion.stamps_ns.size() < 2) return 1;  // one instant
-  const GreyError error = OcclusionError(*middle.key, lens_->rays(), middle.depth, looks.front(), looks.back());
+  const GreyError error = OcclusionError(*latent.middle_key, lens_->rays(), latent.depth, looks.front(), looks.back());
   int keys = 1;
   const auto suffice = [&] {
     return error.rms <= keys * kOcclusionBound.rms && error.p99_9 <= keys * kOcclusionBound.p99_9 &&
-           LongestReach(PlanKeys(plan, middle.instant.stamp_ns, keys), plan, motion) <= keys_.reach_px();
+           LongestReach(PlanKeys(plan, latent.middle.stamp_ns, keys), plan, motion) <= keys_.reach_px();
   };
   while (keys <= most && !suffice()) {
     keys += 2;
@@ -236,87 +224,113 @@ cv::Mat ExposingCamera::Integrate(Renderer& renderer, const MotionRecord& record
     renderer.Draw(*data_, X_WC, lens_->pinhole(), plan[i].shift_px);
     Collect(renderer, plan[i].shift_px, weights[i], light);
   }
-  return Soften(light.light(), LensVariance());
+  return light.light();
 }
 
-cv::Mat ExposingCamera::Shear(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan,
-                              const std::vector<SceneInstant>& instants, const KeyPicture& middle, int keys) {
-  const CameraModel& camera = lens_->camera();
-  const int64_t stamp_ns = middle.at.stamp_ns;
-  const std::vector<std::vector<float>> weights = SlotWeights(options_.exposure, stamp_ns, plan, camera.height_px);
+void ExposingCamera::SeeKeys(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, int keys,
+                             LatentFrame& latent) {
+  const int64_t stamp_ns = latent.middle.stamp_ns;
+  latent.weights = SlotWeights(options_.exposure, stamp_ns, plan, lens_->camera().height_px);
+  latent.slots = PlanKeys(plan, stamp_ns, keys);
+  for (const ShutterSlot& slot : plan) latent.shifts_px.push_back(slot.shift_px);
   const std::vector<Eigen::Vector2d> shifts = PixelShifts(keys);
+  for (const KeySlot& slot : latent.slots) {
+    if (slot.stamp_ns == stamp_ns) continue;
+    const SceneInstant at = At(record, slot.stamp_ns);
+    renderer.Move(*data_);
+    const Eigen::Vector2d& shift = shifts[size_t(slot.first) % shifts.size()];
+    latent.keys.push_back(keys_.See(renderer, *data_, at, latent.middle_key->finer, shift));
+  }
+}
+
+/// What the truth about motion is measured by.
+void ExposingCamera::TracePaths(const MotionRecord& record, LatentFrame& latent) {
+  const int64_t stamp_ns = latent.middle.stamp_ns;
+  const int rows = lens_->camera().height_px;
+  const int bands = options_.exposure.readout_ms > 0 ? std::min(kRollingBands, rows) : 1;
+  for (int band = 0; band < bands && latent.wanted.blur; ++band) {
+    const ShutterInterval own = RowShutter(options_.exposure, stamp_ns, (band + 0.5) * rows / bands - 0.5, rows);
+    latent.open_close.emplace_back(At(record, own.open_ns), At(record, own.close_ns));
+  }
+  const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);
+  latent.path = {At(record, own.open_ns)};
+  for (const SceneInstant& instant : latent.instants) {
+    if (instant.stamp_ns > own.open_ns && instant.stamp_ns < own.close_ns) latent.path.push_back(instant);
+  }
+  latent.path.push_back(At(record, own.close_ns));
+  FilmedTruth& truth = latent.frame.truth;
+  truth.X_WC_open = latent.path.front().X_WC;
+  truth.X_WC = latent.middle.X_WC;
+  truth.X_WC_close = latent.path.back().X_WC;
+}
+
+LatentFrame ExposingCamera::Film(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
+                                 const TruthOptions& wanted, RandomStream noise) {
+  LatentFrame latent(wanted, std::move(noise));
+  latent.frame.image.stamp_ns = stamp_ns;
+  FilmedTruth& truth = latent.frame.truth;
+  // Depth and motion determine the sub-frames, so they are measured whatever truth is requested: the image must not
+  // depend on that.
+  const ShutterInterval whole = WholeShutter(options_.exposure, stamp_ns);
+  const std::vector<SceneInstant> looks = LookAround(record, whole);
+  SeeMiddle(renderer, record, KeyDetail(looks), latent);
+  MotionProfile motion;
+  if (whole.close_ns > whole.open_ns) motion = MeasureMotion(lens_->camera(), *latent.points, looks);
+  const ShutterPlan plan = PlanShutter(options_.exposure, stamp_ns, options_.antialias, motion);
+  for (const ShutterSlot& slot : plan) {
+    latent.instants.push_back(At(record, slot.stamp_ns));
+    truth.subframes.push_back({slot.stamp_ns, slot.weight, latent.instants.back().X_WC});
+  }
+  const int keys = CountKeys(latent, looks, plan, motion);
+  truth.renders = keys > 0 ? keys : int(plan.size());
+  if (keys > 0) {
+    SeeKeys(renderer, record, plan, keys, latent);
+  } else {
+    latent.light = Integrate(renderer, record, plan, stamp_ns);
+  }
+  TracePaths(record, latent);
+  return latent;
+}
+
+cv::Mat ExposingCamera::Shear(LatentFrame& latent) const {
+  const CameraModel& camera = lens_->camera();
   cv::Mat light(camera.height_px, camera.width_px, CV_32FC4, cv::Scalar::all(0));
-  for (const KeySlot& slot : PlanKeys(plan, stamp_ns, keys)) {
-    KeyPicture other;
-    if (slot.stamp_ns != stamp_ns) {
-      const SceneInstant at = At(record, slot.stamp_ns);
-      renderer.Move(*data_);
-      other = keys_.See(renderer, *data_, at, middle.finer, shifts[size_t(slot.first) % shifts.size()]);
-    }
+  auto other = latent.keys.begin();
+  for (const KeySlot& slot : latent.slots) {
     std::vector<ShearedFrame> frames;
-    for (int i = slot.first; i < slot.end; ++i) {
-      frames.push_back({&instants[size_t(i)], plan[size_t(i)].shift_px, weights[size_t(i)]});
+    for (size_t i = size_t(slot.first); i < size_t(slot.end); ++i) {
+      frames.push_back({&latent.instants[i], latent.shifts_px[i], latent.weights[i]});
     }
-    keys_.Add(slot.stamp_ns != stamp_ns ? other : middle, frames, light);
+    const bool is_middle = slot.stamp_ns == latent.middle.stamp_ns;
+    KeyPicture& key = is_middle ? *latent.middle_key : *other++;
+    keys_.Decode(key);
+    keys_.Add(key, frames, light);
+    if (!is_middle) key = {};
   }
   return SoftenSheared(light);
 }
 
-void ExposingCamera::DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,
-                                  const std::vector<SceneInstant>& instants, bool vectors, FilmedTruth& truth) {
-  const int rows = lens_->camera().height_px;
-  const int bands = options_.exposure.readout_ms > 0 ? std::min(kRollingBands, rows) : 1;
-  std::vector<std::pair<SceneInstant, SceneInstant>> open_close;
-  for (int band = 0; band < bands; ++band) {
-    const ShutterInterval own = RowShutter(options_.exposure, stamp_ns, (band + 0.5) * rows / bands - 0.5, rows);
-    open_close.emplace_back(At(record, own.open_ns), At(record, own.close_ns));
+void ExposingCamera::DescribeBlur(const LatentFrame& latent, FilmedTruth& truth) const {
+  if (latent.wanted.blur) {
+    truth.blur =
+        BlurVectors(lens_->camera(), lens_->rays(), latent.depth, latent.bodies, latent.middle, latent.open_close);
   }
-  if (vectors) {
-    truth.blur = BlurVectors(lens_->camera(), lens_->rays(), middle.depth, middle.bodies, middle.instant, open_close);
-  }
-  const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);
-  std::vector<SceneInstant> path = {At(record, own.open_ns)};
-  for (const SceneInstant& instant : instants) {
-    if (instant.stamp_ns > own.open_ns && instant.stamp_ns < own.close_ns) path.push_back(instant);
-  }
-  path.push_back(At(record, own.close_ns));
-  const PathLengths lengths = MeasurePaths(lens_->camera(), *middle.points, path);
+  const PathLengths lengths = MeasurePaths(lens_->camera(), *latent.points, latent.path);
   truth.blur_median_px = lengths.median_px;
   truth.blur_p90_px = lengths.p90_px;
   truth.blur_max_px = lengths.max_px;
 }
 
-ExposedFrame ExposingCamera::Expose(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
-                                    const TruthOptions& wanted, RandomStream noise) {
-  ExposedFrame frame;
-  FilmedTruth& truth = frame.truth;
-  // Depth and motion determine the sub-frames, so they are measured whatever truth is requested: the image must not
-  // depend on that.
-  const ShutterInterval whole = WholeShutter(options_.exposure, stamp_ns);
-  const std::vector<SceneInstant> looks = LookAround(record, whole);
-  const Middle middle = SeeMiddle(renderer, record, stamp_ns, KeyDetail(looks), wanted.sharp);
-  MotionProfile motion;
-  if (whole.close_ns > whole.open_ns) motion = MeasureMotion(lens_->camera(), *middle.points, looks);
-  const ShutterPlan plan = PlanShutter(options_.exposure, stamp_ns, options_.antialias, motion);
-
-  std::vector<SceneInstant> instants;
-  for (const ShutterSlot& slot : plan) {
-    instants.push_back(At(record, slot.stamp_ns));
-    truth.subframes.push_back({slot.stamp_ns, slot.weight, instants.back().X_WC});
+ExposedFrame ExposingCamera::Develop(LatentFrame latent) const {
+  ExposedFrame frame = std::move(latent.frame);
+  const cv::Mat light = latent.slots.empty() ? Soften(latent.light, LensVariance()) : Shear(latent);
+  frame.image.pixels = sensor_.Develop(light, latent.noise);
+  if (latent.wanted.sharp) {
+    if (latent.middle_key) keys_.Decode(*latent.middle_key);
+    frame.truth.sharp = sensor_.DevelopNoiseless(latent.middle_key ? Sharp(*latent.middle_key) : latent.sharp);
   }
-  const int keys = CountKeys(middle, looks, plan, motion);
-  const cv::Mat light = keys > 0 ? Shear(renderer, record, plan, instants, *middle.key, keys)
-                                 : Integrate(renderer, record, plan, stamp_ns);
-  truth.renders = keys > 0 ? keys : int(plan.size());
-  frame.image = {stamp_ns, sensor_.Develop(light, noise)};
-
-  const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);
-  truth.X_WC_open = At(record, own.open_ns).X_WC;
-  truth.X_WC = middle.instant.X_WC;
-  truth.X_WC_close = At(record, own.close_ns).X_WC;
-  if (wanted.sharp) truth.sharp = sensor_.DevelopNoiseless(middle.sharp);
-  if (wanted.depth) truth.depth = middle.depth;
-  DescribeBlur(record, stamp_ns, middle, instants, wanted.blur, truth);
+  if (latent.wanted.depth) frame.truth.depth = latent.depth;
+  DescribeBlur(latent, frame.truth);
   return frame;
 }
 

@@ -63,6 +63,28 @@ struct FilmOptions {
   double softness_px = 0.5;  ///< Standard deviation of the lens's point spread.
 };
 
+/// What one exposure gathered, before it is developed. It owns all that developing needs.
+struct LatentFrame {
+  LatentFrame(const TruthOptions& wanted, RandomStream noise) : wanted(wanted), noise(std::move(noise)) {}
+
+  TruthOptions wanted;
+  RandomStream noise;
+  ExposedFrame frame;                       ///< Stamp, poses and sub-frames; pictures and blur are still missing.
+  cv::Mat light;                            ///< CV_32FC3, where all sub-frames were rendered; else empty, and:
+  std::vector<KeySlot> slots;               ///< which sub-frames each key picture serves,
+  std::vector<KeyPicture> keys;             ///< these pictures but the middle one, in the order of their slots,
+  std::vector<std::vector<float>> weights;  ///< and what each sub-frame weighs, by rows.
+  std::vector<SceneInstant> instants;       ///< Of the sub-frames.
+  std::vector<Eigen::Vector2d> shifts_px;   ///< Of the sub-frames' samples.
+  SceneInstant middle;                      ///< Mid-exposure,
+  std::optional<KeyPicture> middle_key;     ///< its key picture, unless none was made,
+  cv::Mat depth, bodies;                    ///< what the camera then sees; no bodies where only the world is in view,
+  cv::Mat sharp;                            ///< and the light of its sharp twin, if it was rendered.
+  std::optional<SeenPoints> points;         ///< Points seen then,
+  std::vector<SceneInstant> path;           ///< what they move by, from opening to close,
+  std::vector<std::pair<SceneInstant, SceneInstant>> open_close;  ///< and opening and close of each band of rows.
+};
+
 /// One camera of a model that films through a shutter.
 ///
 /// When a frame is exposed, physics has already run to the shutter's close, and its record gives every configuration
@@ -80,17 +102,22 @@ class ExposingCamera {
   ExposingCamera(const mjModel* model, const std::string& camera_name, const CameraModel& camera,
                  const FilmOptions& options);
 
-  /// Films one frame.
+  /// Renders what one frame needs.
   /// @param stamp_ns mid-exposure; `record` covers the shutter's whole time (WholeShutter).
   /// @param noise the frame's own stream.
+  LatentFrame Film(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, const TruthOptions& truth,
+                   RandomStream noise);
+  /// Makes the image and its truth. May run on another thread while Film() renders later frames.
+  ExposedFrame Develop(LatentFrame latent) const;
+  /// Both in one.
   ExposedFrame Expose(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, const TruthOptions& truth,
-                      RandomStream noise);
+                      RandomStream noise) {
+    return Develop(Film(renderer, record, stamp_ns, truth, std::move(noise)));
+  }
 
   const Lens& lens() const { return *lens_; }
 
  private:
-  struct Middle;
-
   SceneInstant At(const MotionRecord& record, int64_t stamp_ns);
   std::vector<SceneInstant> LookAround(const MotionRecord& record, const ShutterInterval& shutter);
   std::optional<int> KeyDetail(const std::vector<SceneInstant>& looks) const;
@@ -99,18 +126,18 @@ class ExposingCamera {
   cv::Mat Sharp(const KeyPicture& key) const;
   double LensVariance() const { return options_.softness_px * options_.softness_px; }
   cv::Mat SoftenSheared(const cv::Mat& light) const;
-  Middle SeeMiddle(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, std::optional<int> detail,
-                   bool sharp);
-  int CountKeys(const Middle& middle, const std::vector<SceneInstant>& looks, const ShutterPlan& plan,
+  void SeeMiddle(Renderer& renderer, const MotionRecord& record, std::optional<int> detail, LatentFrame& latent);
+  int CountKeys(const LatentFrame& latent, const std::vector<SceneInstant>& looks, const ShutterPlan& plan,
                 const MotionProfile& motion) const;
 
   void Collect(Renderer& renderer, const Eigen::Vector2d& shift_px, std::span<const float> row_weights,
                LightAccumulator& light);
   cv::Mat Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, int64_t stamp_ns);
-  cv::Mat Shear(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan,
-                const std::vector<SceneInstant>& instants, const KeyPicture& middle, int keys);
-  void DescribeBlur(const MotionRecord& record, int64_t stamp_ns, const Middle& middle,
-                    const std::vector<SceneInstant>& instants, bool vectors, FilmedTruth& truth);
+  void SeeKeys(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, int keys, LatentFrame& latent);
+  void TracePaths(const MotionRecord& record, LatentFrame& latent);
+
+  cv::Mat Shear(LatentFrame& latent) const;
+  void DescribeBlur(const LatentFrame& latent, FilmedTruth& truth) const;
 
   const mjModel* model_;
   int camera_id_;

@@ -106,16 +106,16 @@ void WidenTent(int finer, cv::Mat& light) {
   cv::sepFilter2D(light, light, CV_32F, tent, tent, {-1, -1}, 0, cv::BORDER_REPLICATE);
 }
 
-cv::Mat Nearness(const KeyPicture& key, const std::vector<float>& ray_x, const std::vector<float>& ray_y, int stride,
-                 const cv::Size& size) {
+cv::Mat Nearness(const cv::Mat& depth, const CameraModel& camera, const std::vector<float>& ray_x,
+                 const std::vector<float>& ray_y, int stride, const cv::Size& size) {
   cv::Mat nearness(size.height, stride, CV_32FC1, cv::Scalar(0));
-  const float f = float(key.camera.fx), cx = float(key.camera.cx) + 0.5f, cy = float(key.camera.cy) + 0.5f;
+  const float f = float(camera.fx), cx = float(camera.cx) + 0.5f, cy = float(camera.cy) + 0.5f;
   for (int v = 0; v < size.height; ++v) {
     const float* rx = ray_x.data() + ptrdiff_t{v} * stride;
     const float* ry = ray_y.data() + ptrdiff_t{v} * stride;
     float* to = nearness.ptr<float>(v);
     for (int u = 0; u < size.width; ++u) {
-      const float z = key.depth.at<float>(int(f * ry[u] + cy), int(f * rx[u] + cx));
+      const float z = depth.at<float>(int(f * ry[u] + cy), int(f * rx[u] + cx));
       to[u] = z > 0 ? 1 / z : 0;
     }
   }
@@ -139,25 +139,29 @@ KeyCamera::KeyCamera(const Lens& lens) : lens_(&lens) {
 }
 
 KeyPicture KeyCamera::See(Renderer& renderer, mjData& data, const SceneInstant& at, int finer,
-                          const Eigen::Vector2d& shift_px) const {
+                          const Eigen::Vector2d& shift_px, cv::Mat* depth) const {
   KeyPicture key;
   key.at = at;
   key.finer = finer;
   key.camera = Raster(finer);
   renderer.Draw(data, at.X_WC, key.camera, shift_px, finer);
-  cv::Mat bgrx;
-  renderer.ReadColor(bgrx);
-  DecodeLight(bgrx, key.light);
-  if (lens_->warps()) WidenTent(finer, key.light);
-  key.depth = renderer.ReadDepth();
+  renderer.ReadColor(key.picture);
+  const cv::Mat fine_depth = renderer.ReadDepth();
   key.camera.cx -= shift_px.x();
   key.camera.cy -= shift_px.y();
-  key.nearness = Nearness(key, ray_x_, ray_y_, stride_, lens_->rays().size());
+  key.nearness = Nearness(fine_depth, key.camera, ray_x_, ray_y_, stride_, lens_->rays().size());
+  if (depth != nullptr) *depth = lens_->WarpDepth(fine_depth, key.camera);
   if (renderer.SeesMovingBodies(at.X_WC, lens_->pinhole())) {
     const cv::Mat bodies = lens_->WarpLabels(renderer.Bodies(data, at.X_WC, lens_->pinhole()));
     cv::copyMakeBorder(bodies, key.bodies, 0, 0, 0, stride_ - bodies.cols, cv::BORDER_REPLICATE);
   }
   return key;
+}
+
+void KeyCamera::Decode(KeyPicture& key) const {
+  if (!key.light.empty()) return;
+  DecodeLight(key.picture, key.light);
+  if (lens_->warps()) WidenTent(key.finer, key.light);
 }
 
 /// One instant: where its pixels look in the key picture.
@@ -280,7 +284,7 @@ void KeyCamera::AddRow(const KeyPicture& key, std::span<const Path* const> paths
 
 void KeyCamera::Add(const KeyPicture& key, std::span<const ShearedFrame> frames, cv::Mat& light) const {
   const cv::Size size = lens_->rays().size();
-  GAITCAM_ASSERT(light.type() == CV_32FC4 && light.size() == size);
+  GAITCAM_ASSERT(light.type() == CV_32FC4 && light.size() == size && !key.light.empty());
   // Through the tent of a lens that bends, pixels look at their centres (LightAccumulator::AddBent).
   const double shift_scale = lens_->warps() ? 0 : 1 / lens_->pinhole().fx;
   std::vector<Path> paths;

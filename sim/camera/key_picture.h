@@ -29,9 +29,9 @@ namespace gaitcam {
 struct KeyPicture {
   SceneInstant at;
   int finer = 1;       ///< Its pixels in the place of one of the image, in a row.
-  CameraModel camera;  ///< The raster of `light` and `depth`: an ideal camera at the same place.
-  cv::Mat light;       ///< CV_32FC4: linear light of B, G, R, and nothing.
-  cv::Mat depth;       ///< CV_32FC1, m; 0 where nothing is.
+  CameraModel camera;  ///< The raster of `picture` and `light`: an ideal camera at the same place.
+  cv::Mat picture;     ///< As Renderer::ReadColor gives it.
+  cv::Mat light;       ///< CV_32FC4: linear light of B, G, R, and nothing; row 0 on top. Empty before Decode().
   // By the image's pixels; rows are padded to a whole number of vectors.
   cv::Mat bodies;    ///< CV_32SC1; empty where only the world is in view.
   cv::Mat nearness;  ///< CV_32FC1, 1/m; 0 where nothing is.
@@ -56,10 +56,13 @@ class KeyCamera {
 
   /// Renders `at`, which `data` must hold. @param finer pixels of the picture in the place of one of the image.
   /// @param shift_px of the sampling points, in pixels of the picture, so that several pictures sample differently.
-  KeyPicture See(Renderer& renderer, mjData& data, const SceneInstant& at, int finer,
-                 const Eigen::Vector2d& shift_px) const;
+  /// @param depth if wanted: what the camera sees, CV_32FC1, m; 0 where nothing is.
+  KeyPicture See(Renderer& renderer, mjData& data, const SceneInstant& at, int finer, const Eigen::Vector2d& shift_px,
+                 cv::Mat* depth = nullptr) const;
+  /// Fills `key.light`, unless it is there. May run on another thread.
+  void Decode(KeyPicture& key) const;
 
-  /// Adds the light of several instants to an image (CV_32FC4).
+  /// Adds the light of several instants to an image (CV_32FC4). @pre Decode().
   void Add(const KeyPicture& key, std::span<const ShearedFrame> frames, cv::Mat& light) const;
 
  private:

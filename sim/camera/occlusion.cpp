@@ -1,10 +1,12 @@
 #include "sim/camera/occlusion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
 #include "algorithms/core/errors.h"
+#include "sim/camera/light.h"
 
 namespace gaitcam {
 namespace {
@@ -27,6 +29,7 @@ class Edges {
       to_open_.push_back(RelativeMotion(key.at, open, int(body)));
       to_close_.push_back(RelativeMotion(key.at, close, int(body)));
     }
+    for (size_t i = 0; i < level_.size(); ++i) level_[i] = float(255 * std::sqrt(SrgbToLinear(double(i) / 255)));
   }
 
   bool Between(const cv::Point& a, const cv::Point& b) const {
@@ -60,24 +63,23 @@ class Edges {
 
   /// In grey levels, whose curve is near a square root.
   double Contrast(const cv::Point& a, const cv::Point& b) const {
-    double largest = 0;
-    const cv::Vec4f &at_a = Light(a), &at_b = Light(b);
-    for (int c = 0; c < 3; ++c) {
-      largest = std::max<double>(largest, std::abs(std::sqrt(at_a[c]) - std::sqrt(at_b[c])));
-    }
-    return 255 * largest;
+    float largest = 0;
+    const uint8_t *at_a = Seen(a), *at_b = Seen(b);
+    for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(level_[at_a[c]] - level_[at_b[c]]));
+    return largest;
   }
 
-  const cv::Vec4f& Light(const cv::Point& p) const {
+  const uint8_t* Seen(const cv::Point& p) const {
     const cv::Vec2f ray = rays_.at<cv::Vec2f>(std::clamp(p.y, 0, rays_.rows - 1), std::clamp(p.x, 0, rays_.cols - 1));
-    return key_.light.at<cv::Vec4f>(int(key_.camera.fy * ray[1] + key_.camera.cy + 0.5),
-                                    int(key_.camera.fx * ray[0] + key_.camera.cx + 0.5));
+    const int row = int(key_.camera.fy * ray[1] + key_.camera.cy + 0.5);
+    return key_.picture.ptr<uint8_t>(key_.picture.rows - 1 - row, int(key_.camera.fx * ray[0] + key_.camera.cx + 0.5));
   }
 
   const KeyPicture& key_;
   const cv::Mat &rays_, &depth_;
   double f_;  ///< Pixels per unit of a ray, over the width of the image.
   std::vector<Pose> to_open_, to_close_;
+  std::array<float, 256> level_;  ///< Of display values.
 };
 
 }  // namespace

@@ -104,7 +104,7 @@ std::optional<TrackedWalk> TrackItsOwn(const ResolvedScenario& resolved, const f
   Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(scenario), scenario.seed);
   TrackingThread tracker(MakeTrackedSystem(scenario, simulation.calibration(), folder), true);
   TrackedWalk walk;
-  LiveTrackingOptions live{options.interrupted, [] { return TruthOptions{false, false, true}; }};
+  LiveTrackingOptions live{options.interrupted, [](int64_t) { return TruthOptions{false, false, false}; }};
   live.on_frame = [&](const SimulatedFrame& frame) {
     walk.truth.push_back({frame.truth.stamp_ns, frame.truth.X_WC});
     walk.stamps.push_back(frame.truth.stamp_ns);

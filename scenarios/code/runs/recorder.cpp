@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "algorithms/core/errors.h"
+#include "scenarios/code/runs/filmed_walk.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/progress.h"
 
@@ -16,14 +17,10 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
   DatasetWriter writer(folders, simulation.calibration(), options.format);
   const int64_t expected = simulation.ExpectedFrames();
   Progress bar("recording " + scenario.name, expected, options.quiet || options.progress);
-  const TruthOptions wanted{options.truth_images, options.truth_images,
-                            true};  // the blur's numbers come from its vectors
-  while (!options.interrupted()) {
-    std::optional<SimulatedFrame> frame = simulation.Next(wanted);
-    if (!frame) break;
-    FilmedTruth truth = std::move(frame->truth);
-    if (!options.truth_images) truth.sharp = truth.depth = truth.blur = cv::Mat();
-    writer.Add(frame->observation, truth);
+  const TruthOptions wanted{options.truth_images, options.truth_images, options.truth_images};
+  FilmedWalk walk(simulation, [&](int64_t) { return wanted; });
+  while (const std::optional<SimulatedFrame> frame = walk.Next(!options.interrupted())) {
+    writer.Add(frame->observation, frame->truth);
     bar.Update(writer.frames());
     if (options.progress) options.progress(writer.frames(), expected);
   }

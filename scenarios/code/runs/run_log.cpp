@@ -21,11 +21,8 @@ const char* Name(SupportPhase support) {
 
 }  // namespace
 
-TruthOptions RunLog::WantedTruth() const {
-  TruthOptions wanted;
-  wanted.sharp = frames() % twin_stride_ == 0;
-  wanted.depth = false;
-  return wanted;
+TruthOptions RunLog::WantedTruth(int64_t frame) const {
+  return {.sharp = frame % twin_stride_ == 0, .depth = false, .blur = false};
 }
 
 void RunLog::Add(const SimulatedFrame& frame) {
@@ -37,7 +34,7 @@ void RunLog::Add(const SimulatedFrame& frame) {
 }
 
 void RunLog::KeepTwin(const SimulatedFrame& frame) {
-  if (frames() % twin_stride_ != 0 || frame.truth.sharp.empty()) return;
+  if (int64_t(frames()) % twin_stride_ != 0 || frame.truth.sharp.empty()) return;
   twins_.push_back({frame.truth.stamp_ns, frame.observation.image.pixels.clone(), frame.truth.sharp.clone(),
                     frame.truth.blur_median_px, frame.truth.blur_max_px});
   if (twins_.size() <= kMaxTwins) return;

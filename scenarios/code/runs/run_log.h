@@ -15,8 +15,9 @@ namespace gaitcam {
 
 class RunLog {
  public:
-  /// What the next frame's truth must hold: pictures cost time and are kept of few frames.
-  TruthOptions WantedTruth() const;
+  /// What the n-th frame's truth must hold, from 0: pictures cost time and are kept of few frames. Frames up to seven
+  /// before it need not have been added yet.
+  TruthOptions WantedTruth(int64_t frame) const;
   void Add(const SimulatedFrame& frame);
 
   const Trajectory& truth() const { return truth_; }
@@ -42,7 +43,7 @@ class RunLog {
   std::vector<int64_t> stamps_;
   std::vector<Entry> entries_;
   std::vector<ReportTwin> twins_;  ///< At most sixteen: when full, every second one goes and the stride doubles.
-  size_t twin_stride_ = 8;
+  int64_t twin_stride_ = 8;
 };
 
 }  // namespace gaitcam

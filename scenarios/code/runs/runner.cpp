@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <queue>
 
 #include "algorithms/core/clock.h"
 #include "algorithms/core/errors.h"
@@ -32,17 +33,25 @@ class Film {
     if (options.enabled) writer_.emplace(file, VideoOptions{options.rate_hz, options.height_px});
   }
 
-  void Add(const SimulatedFrame& frame, Simulation& simulation) {
-    if (!writer_ || SecondsIntoWalk(frame.truth.stamp_ns) * options_.rate_hz < double(writer_->frames())) return;
+  /// Sees the robot from beside, if the frame just filmed is one for the film.
+  void Look(int64_t stamp_ns, Simulation& simulation) {
+    if (!writer_ || SecondsIntoWalk(stamp_ns) * options_.rate_hz < double(looks_)) return;
     const int height = options_.height_px, width = height * 4 / 3 / 2 * 2;
+    bystander_.push({stamp_ns, simulation.ThirdPersonView(width, height)});
+    ++looks_;
+  }
+
+  void Add(const SimulatedFrame& frame) {
+    if (bystander_.empty() || bystander_.front().stamp_ns != frame.truth.stamp_ns) return;
     VideoFrame picture;
     picture.camera = frame.observation.image.pixels;
-    picture.bystander = simulation.ThirdPersonView(width, height);
+    picture.bystander = bystander_.front().pixels;
+    bystander_.pop();
     picture.time_s = SecondsIntoWalk(frame.truth.stamp_ns);
     picture.exposure_ms = frame.observation.exposure_ms;
     picture.status = fmt::format("blur {:.1f} px", frame.truth.blur_median_px);
     writer_->Add(picture);
-    if (poster_.empty()) poster_ = ComposeVideoFrame(picture, height);
+    if (poster_.empty()) poster_ = ComposeVideoFrame(picture, options_.height_px);
   }
 
   /// @returns the film's first picture; empty if there is no film.
@@ -54,6 +63,8 @@ class Film {
  private:
   ReportFilmOptions options_;
   std::optional<VideoWriter> writer_;
+  int64_t looks_ = 0;
+  std::queue<Image> bystander_;  ///< Of frames that are not developed yet.
   cv::Mat poster_;
 };
 
@@ -151,10 +162,11 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   Film film(scenario.video, folder.path() / "walk.mp4");
   RunLog log;
   Progress progress(scenario.name, simulation.ExpectedFrames(), options.quiet);
-  LiveTrackingOptions live{options.interrupted, [&] { return log.WantedTruth(); }};
+  LiveTrackingOptions live{options.interrupted, [&](int64_t frame) { return log.WantedTruth(frame); }};
+  live.on_filmed = [&](int64_t stamp_ns) { film.Look(stamp_ns, simulation); };
   live.on_frame = [&](const SimulatedFrame& frame) {
     log.Add(frame);
-    film.Add(frame, simulation);
+    film.Add(frame);
     progress.Update(int64_t(log.frames()), simulation.ExpectedFrames());  // scans make the walk longer
   };
   const Estimate estimate = TrackLive(simulation, tracker, live);

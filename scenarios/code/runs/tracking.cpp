@@ -2,17 +2,30 @@
 
 namespace gaitcam {
 
-Estimate TrackLive(Simulation& simulation, TrackingThread& tracker, const LiveTrackingOptions& options) {
-  while (!options.interrupted()) {
-    std::optional<SimulatedFrame> frame = simulation.Next(options.wanted_truth());
-    if (!frame) break;
+namespace {
+
+void WalkAndAsk(Simulation& simulation, TrackingThread& tracker, const LiveTrackingOptions& options) {
+  for (int64_t frames = 0; !options.interrupted(); ++frames) {
+    std::optional<SimulatedFrame> frame = simulation.Next(options.wanted_truth(frames));
+    if (!frame) return;
+    options.on_filmed(frame->truth.stamp_ns);
     options.on_frame(*frame);
-    if (!tracker.acts()) {
-      tracker.Push(std::move(frame->observation));
-    } else {
-      simulation.Command(tracker.Ask(std::move(frame->observation)));
-    }
+    simulation.Command(tracker.Ask(std::move(frame->observation)));
   }
+}
+
+void WalkAhead(Simulation& simulation, TrackingThread& tracker, const LiveTrackingOptions& options) {
+  FilmedWalk walk(simulation, options.wanted_truth, options.on_filmed);
+  while (std::optional<SimulatedFrame> frame = walk.Next(!options.interrupted())) {
+    options.on_frame(*frame);
+    tracker.Push(std::move(frame->observation));
+  }
+}
+
+}  // namespace
+
+Estimate TrackLive(Simulation& simulation, TrackingThread& tracker, const LiveTrackingOptions& options) {
+  (tracker.acts() ? WalkAndAsk : WalkAhead)(simulation, tracker, options);
   return tracker.Finish();
 }
 

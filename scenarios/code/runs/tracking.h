@@ -7,6 +7,7 @@
 
 #include "algorithms/core/estimate.h"
 #include "algorithms/io/dataset_reader.h"
+#include "scenarios/code/runs/filmed_walk.h"
 #include "scenarios/code/runs/tracking_thread.h"
 #include "sim/simulation.h"
 
@@ -14,14 +15,15 @@ namespace gaitcam {
 
 struct LiveTrackingOptions {
   std::function<bool()> interrupted = [] { return false; };
-  /// Asked before each frame: which costly parts of the truth are wanted of it.
-  std::function<TruthOptions()> wanted_truth = [] { return TruthOptions(); };
+  FilmedWalk::WantedTruth wanted_truth = [](int64_t) { return TruthOptions(); };
+  FilmedWalk::OnFilmed on_filmed = [](int64_t) {};
   /// Shown each frame before the system is.
   std::function<void(const SimulatedFrame&)> on_frame = [](const SimulatedFrame&) {};
 };
 
 /// Simulates to the end and hands every observation to the system; truth stays on this side. A system that acts is
-/// waited for at each frame and the body does what it asks; any other one tracks while the next frames are made.
+/// waited for at each frame and the body does what it asks; any other one tracks while the next frames are made
+/// (FilmedWalk).
 /// @throws what the simulation or the system throws; BadInput if the system commands what the robot cannot
 /// do (Simulation::Command).
 Estimate TrackLive(Simulation& simulation, TrackingThread& tracker, const LiveTrackingOptions& options);

@@ -39,7 +39,9 @@ struct Stage {
   }
 
   KeyPicture See(const SceneInstant& at, int finer) {
-    return camera.See(renderer, *data, at, finer, Eigen::Vector2d::Zero());
+    KeyPicture key = camera.See(renderer, *data, at, finer, Eigen::Vector2d::Zero());
+    camera.Decode(key);
+    return key;
   }
 
   /// CV_8UC3, seen from the middle of the pixels.

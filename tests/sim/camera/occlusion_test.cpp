@@ -27,8 +27,9 @@ struct Stage {
   GreyError Error(const Pose& open, const Pose& close) {
     const SceneInstant before = At(open), after = At(close), middle = At(LookingAlongX({0, 0, 0}));
     renderer.Update(*data);
-    const KeyPicture key = camera.See(renderer, *data, middle, 2, Eigen::Vector2d::Zero());
-    return OcclusionError(key, lens.rays(), lens.WarpDepth(key.depth, key.camera), before, after);
+    cv::Mat depth;
+    const KeyPicture key = camera.See(renderer, *data, middle, 2, Eigen::Vector2d::Zero(), &depth);
+    return OcclusionError(key, lens.rays(), depth, before, after);
   }
 };
 
