@@ -157,7 +157,7 @@ void ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, s
     if (!key.bodies.empty()) latent.bodies = key.bodies.colRange(0, latent.depth.cols);
   } else {
     renderer.Draw(*data_, X_WC, pinhole);
-    latent.depth = lens_->WarpDepth(renderer.ReadDepth());
+    latent.depth = lens_->Depth(renderer.ReadNearness());
     if (latent.wanted.sharp) latent.sharp = Sharp(renderer, X_WC);
     if (renderer.SeesMovingBodies(X_WC, pinhole)) {
       latent.bodies = lens_->WarpLabels(renderer.Bodies(*data_, X_WC, pinhole));
@@ -305,7 +305,8 @@ cv::Mat ExposingCamera::Shear(LatentFrame& latent) const {
     KeyPicture& key = is_middle ? *latent.middle_key : *other++;
     keys_.Decode(key);
     keys_.Add(key, frames, light);
-    if (!is_middle) key = {};
+    if (is_middle && latent.wanted.sharp) latent.sharp = Sharp(key);
+    key.light.release();  // the largest part of a frame's memory
   }
   return SoftenSheared(light);
 }
@@ -325,10 +326,11 @@ ExposedFrame ExposingCamera::Develop(LatentFrame latent) const {
   ExposedFrame frame = std::move(latent.frame);
   const cv::Mat light = latent.slots.empty() ? Soften(latent.light, LensVariance()) : Shear(latent);
   frame.image.pixels = sensor_.Develop(light, latent.noise);
-  if (latent.wanted.sharp) {
-    if (latent.middle_key) keys_.Decode(*latent.middle_key);
-    frame.truth.sharp = sensor_.DevelopNoiseless(latent.middle_key ? Sharp(*latent.middle_key) : latent.sharp);
+  if (latent.wanted.sharp && latent.sharp.empty()) {  // plainly integrated after all
+    keys_.Decode(*latent.middle_key);
+    latent.sharp = Sharp(*latent.middle_key);
   }
+  if (latent.wanted.sharp) frame.truth.sharp = sensor_.DevelopNoiseless(latent.sharp);
   if (latent.wanted.depth) frame.truth.depth = latent.depth;
   DescribeBlur(latent, frame.truth);
   return frame;

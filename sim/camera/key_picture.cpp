@@ -106,18 +106,16 @@ void WidenTent(int finer, cv::Mat& light) {
   cv::sepFilter2D(light, light, CV_32F, tent, tent, {-1, -1}, 0, cv::BORDER_REPLICATE);
 }
 
-cv::Mat Nearness(const cv::Mat& depth, const CameraModel& camera, const std::vector<float>& ray_x,
-                 const std::vector<float>& ray_y, int stride, const cv::Size& size) {
+/// Of the image's pixels: the nearest of the picture's.
+cv::Mat PixelNearness(const cv::Mat& picture, const CameraModel& camera, const std::vector<float>& ray_x,
+                      const std::vector<float>& ray_y, int stride, const cv::Size& size) {
   cv::Mat nearness(size.height, stride, CV_32FC1, cv::Scalar(0));
   const float f = float(camera.fx), cx = float(camera.cx) + 0.5f, cy = float(camera.cy) + 0.5f;
   for (int v = 0; v < size.height; ++v) {
     const float* rx = ray_x.data() + ptrdiff_t{v} * stride;
     const float* ry = ray_y.data() + ptrdiff_t{v} * stride;
     float* to = nearness.ptr<float>(v);
-    for (int u = 0; u < size.width; ++u) {
-      const float z = depth.at<float>(int(f * ry[u] + cy), int(f * rx[u] + cx));
-      to[u] = z > 0 ? 1 / z : 0;
-    }
+    for (int u = 0; u < size.width; ++u) to[u] = picture.at<float>(int(f * ry[u] + cy), int(f * rx[u] + cx));
   }
   return nearness;
 }
@@ -146,11 +144,11 @@ KeyPicture KeyCamera::See(Renderer& renderer, mjData& data, const SceneInstant& 
   key.camera = Raster(finer);
   renderer.Draw(data, at.X_WC, key.camera, shift_px, finer);
   renderer.ReadColor(key.picture);
-  const cv::Mat fine_depth = renderer.ReadDepth();
+  const cv::Mat nearness = renderer.ReadNearness();
   key.camera.cx -= shift_px.x();
   key.camera.cy -= shift_px.y();
-  key.nearness = Nearness(fine_depth, key.camera, ray_x_, ray_y_, stride_, lens_->rays().size());
-  if (depth != nullptr) *depth = lens_->WarpDepth(fine_depth, key.camera);
+  key.nearness = PixelNearness(nearness, key.camera, ray_x_, ray_y_, stride_, lens_->rays().size());
+  if (depth != nullptr) *depth = lens_->Depth(nearness, key.camera);
   if (renderer.SeesMovingBodies(at.X_WC, lens_->pinhole())) {
     const cv::Mat bodies = lens_->WarpLabels(renderer.Bodies(data, at.X_WC, lens_->pinhole()));
     cv::copyMakeBorder(bodies, key.bodies, 0, 0, 0, stride_ - bodies.cols, cv::BORDER_REPLICATE);

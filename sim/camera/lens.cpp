@@ -67,17 +67,19 @@ CameraModel CoveringPinhole(const cv::Mat& rays, double f, int margin) {
   return pinhole;
 }
 
+float Reciprocal(float nearness) { return nearness > 0 ? 1 / nearness : 0; }
+
 /// Depth at a point between four pixels.
-float DepthBetween(const cv::Mat& depth, float at_x, float at_y) {
+float DepthBetween(const cv::Mat& nearness, float at_x, float at_y) {
   constexpr float kEdgeRatio = 1.05f;  // neighbours whose depths differ by more lie on different surfaces
   const int x = int(at_x), y = int(at_y);
   const float s = at_x - float(x), t = at_y - float(y);
-  const float* upper = depth.ptr<float>(y) + x;
-  const float* lower = depth.ptr<float>(y + 1) + x;
-  const float z[4] = {upper[0], upper[1], lower[0], lower[1]};
-  const auto [low, high] = std::minmax_element(z, z + 4);
-  if (*low <= 0 || *high > kEdgeRatio * *low) return z[(t >= 0.5f ? 2 : 0) + (s >= 0.5f ? 1 : 0)];
-  return 1 / ((1 - t) * ((1 - s) / z[0] + s / z[1]) + t * ((1 - s) / z[2] + s / z[3]));
+  const float* upper = nearness.ptr<float>(y) + x;
+  const float* lower = nearness.ptr<float>(y + 1) + x;
+  const float least = std::min({upper[0], upper[1], lower[0], lower[1]});
+  const float most = std::max({upper[0], upper[1], lower[0], lower[1]});
+  if (least <= 0 || most > kEdgeRatio * least) return Reciprocal((t >= 0.5f ? lower : upper)[s >= 0.5f ? 1 : 0]);
+  return 1 / ((1 - t) * ((1 - s) * upper[0] + s * upper[1]) + t * ((1 - s) * lower[0] + s * lower[1]));
 }
 
 }  // namespace
@@ -101,18 +103,24 @@ Lens::Lens(const CameraModel& camera) : camera_(camera), pinhole_(camera) {
   }
 }
 
-cv::Mat Lens::WarpDepth(const cv::Mat& depth) const { return warps_ ? WarpDepth(depth, pinhole_) : depth; }
+cv::Mat Lens::Depth(const cv::Mat& nearness) const {
+  if (warps_) return Depth(nearness, pinhole_);
+  GAITCAM_ASSERT(nearness.type() == CV_32FC1 && nearness.size() == rays_.size());
+  cv::Mat depth(nearness.size(), CV_32FC1);
+  std::transform(nearness.begin<float>(), nearness.end<float>(), depth.begin<float>(), Reciprocal);
+  return depth;
+}
 
-cv::Mat Lens::WarpDepth(const cv::Mat& depth, const CameraModel& picture) const {
-  GAITCAM_ASSERT(depth.type() == CV_32FC1 && depth.cols == picture.width_px && depth.rows == picture.height_px);
+cv::Mat Lens::Depth(const cv::Mat& nearness, const CameraModel& picture) const {
+  GAITCAM_ASSERT(nearness.type() == CV_32FC1 && nearness.size() == cv::Size(picture.width_px, picture.height_px));
   const float f = float(picture.fx), cx = float(picture.cx), cy = float(picture.cy);
-  cv::Mat warped(rays_.size(), CV_32FC1);
-  for (int v = 0; v < warped.rows; ++v) {
+  cv::Mat depth(rays_.size(), CV_32FC1);
+  for (int v = 0; v < depth.rows; ++v) {
     const cv::Vec2f* rays = rays_.ptr<cv::Vec2f>(v);
-    float* to = warped.ptr<float>(v);
-    for (int u = 0; u < warped.cols; ++u) to[u] = DepthBetween(depth, f * rays[u][0] + cx, f * rays[u][1] + cy);
+    float* to = depth.ptr<float>(v);
+    for (int u = 0; u < depth.cols; ++u) to[u] = DepthBetween(nearness, f * rays[u][0] + cx, f * rays[u][1] + cy);
   }
-  return warped;
+  return depth;
 }
 
 cv::Mat Lens::WarpLabels(const cv::Mat& labels) const {

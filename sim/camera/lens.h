@@ -25,12 +25,13 @@ class Lens {
   /// CV_32FC2: where each pixel lies in the ideal camera's picture, px. Empty unless the lens warps.
   const cv::Mat& map() const { return map_; }
 
-  /// The ideal camera's depth as this camera sees it. 1/z is interpolated, which is exact on planes; across an edge the
-  /// nearest sample is taken.
-  cv::Mat WarpDepth(const cv::Mat& depth) const;
+  /// Depth as this camera sees it, CV_32FC1, m; 0 where nothing is. 1/z is interpolated, which is exact on planes;
+  /// across an edge the nearest sample is taken.
+  /// @param nearness 1/z as the ideal camera sees it (Renderer::ReadNearness).
+  cv::Mat Depth(const cv::Mat& nearness) const;
   /// The same from a picture of another raster: `picture` is an ideal camera at the same place with square pixels,
   /// whose picture covers all rays and a pixel more on each side.
-  cv::Mat WarpDepth(const cv::Mat& depth, const CameraModel& picture) const;
+  cv::Mat Depth(const cv::Mat& nearness, const CameraModel& picture) const;
   /// Labels: the nearest sample.
   cv::Mat WarpLabels(const cv::Mat& labels) const;
 

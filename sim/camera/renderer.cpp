@@ -40,6 +40,25 @@ float ReachFrom(const mjvGeom& geom, const Eigen::Vector3d& point) {
   return offset.norm() + geom.modelrbound;
 }
 
+constexpr uint32_t kFarthest = 0xffffff;  // of a depth buffer of 24 bits: nothing is there
+
+/// From depth and stencil, side by side in a word, to `inverse_near` - depth * `step`. Two numbers at once.
+void Nearness(const uint32_t* from, double inverse_near, double step, float* to, int count) {
+  using Int2 = int32_t __attribute__((vector_size(8)));
+  using Double2 = double __attribute__((vector_size(16)));
+  const Double2 nearest = {inverse_near, inverse_near}, steps = {step, step};
+  int i = 0;
+  for (; i + 2 <= count; i += 2) {
+    const Int2 depth = {int32_t(from[i] >> 8), int32_t(from[i + 1] >> 8)};
+    const Double2 near = nearest - steps * __builtin_convertvector(depth, Double2);
+    to[i] = depth[0] == int32_t(kFarthest) ? 0.f : float(near[0]);
+    to[i + 1] = depth[1] == int32_t(kFarthest) ? 0.f : float(near[1]);
+  }
+  for (; i < count; ++i) {
+    to[i] = from[i] >> 8 == kFarthest ? 0.f : float(inverse_near - step * double(from[i] >> 8));
+  }
+}
+
 }  // namespace
 
 /// OpenGL calls that MuJoCo does not wrap, or wraps with extra copies.
@@ -239,20 +258,18 @@ void Renderer::ReadColor(cv::Mat& bgrx_bottom_up) {
   gl_->ReadPixels(0, 0, viewport_.width, viewport_.height, GL_BGRA, GL_UNSIGNED_BYTE, bgrx_bottom_up.data);
 }
 
-cv::Mat Renderer::ReadDepth() {
-  cv::Mat buffer(viewport_.height, viewport_.width, CV_32FC1), depth(buffer.size(), CV_32FC1);
+cv::Mat Renderer::ReadNearness() {
+  depth_stencil_.create(viewport_.height, viewport_.width, CV_32SC1);
   gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl_->ReadPixels(0, 0, viewport_.width, viewport_.height, GL_DEPTH_COMPONENT, GL_FLOAT, buffer.data);
-  // A perspective projection stores d = (1/n - 1/z) / (1/n - 1/f).
-  const double inverse_near = 1 / options_.near_m, range = 1 / options_.near_m - 1 / options_.far_m;
-  for (int row = 0; row < depth.rows; ++row) {
-    const float* from = buffer.ptr<float>(depth.rows - 1 - row);
-    float* to = depth.ptr<float>(row);
-    for (int col = 0; col < depth.cols; ++col) {
-      to[col] = from[col] >= 1.f ? 0.f : float(1 / (inverse_near - from[col] * range));
-    }
+  gl_->ReadPixels(0, 0, viewport_.width, viewport_.height, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, depth_stencil_.data);
+  // A perspective projection stores d = (1/n - 1/z) / (1/n - 1/f), here in the upper 24 bits.
+  cv::Mat nearness(depth_stencil_.size(), CV_32FC1);
+  const double inverse_near = 1 / options_.near_m, step = (inverse_near - 1 / options_.far_m) / kFarthest;
+  for (int row = 0; row < nearness.rows; ++row) {
+    Nearness(depth_stencil_.ptr<uint32_t>(nearness.rows - 1 - row), inverse_near, step, nearness.ptr<float>(row),
+             nearness.cols);
   }
-  return depth;
+  return nearness;
 }
 
 cv::Mat Renderer::Bodies(mjData& data, const Pose& X_WC, const CameraModel& camera) {

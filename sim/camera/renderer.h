@@ -61,8 +61,9 @@ class Renderer {
   /// The picture just drawn: CV_8UC4, BGR and an unused byte, display (sRGB) values, BOTTOM row first as OpenGL has it.
   void ReadColor(cv::Mat& bgrx_bottom_up);
 
-  /// Depth of the picture just drawn, along the optical axis: CV_32FC1, m, row 0 on top; 0 where nothing is.
-  cv::Mat ReadDepth();
+  /// Reciprocal depth of the picture just drawn, along the optical axis: CV_32FC1, 1/m, row 0 on top; 0 where nothing
+  /// is.
+  cv::Mat ReadNearness();
   /// Which body each pixel centre sees, CV_32SC1, row 0 on top; 0 for the world and for nothing.
   cv::Mat Bodies(mjData& data, const Pose& X_WC, const CameraModel& camera);
   /// Whether any geom of a moving body can be in the picture (by its bounding box, so perhaps hidden).
@@ -93,6 +94,7 @@ class Renderer {
   std::vector<int> moving_;                   ///< Indices into geoms_.
   bool follows_camera_ = false;               ///< An infinite plane is centred anew under each camera.
   mjrRect viewport_{0, 0, 0, 0};
+  cv::Mat depth_stencil_;  ///< Last read.
 };
 
 /// Puts pictures in the place of the pixels that the model's textures have. @pre the context is current.

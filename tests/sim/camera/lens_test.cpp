@@ -54,13 +54,13 @@ TEST(Lens, TheWiderPictureHoldsEveryPixelOnItsRay) {
 TEST(Lens, DepthOfAPlaneStaysThatOfThePlane) {
   const Lens lens(BarrelCamera());
   const Eigen::Vector3d n(0.3, -0.2, 1);  // n.p = 2
-  cv::Mat depth(lens.pinhole().height_px, lens.pinhole().width_px, CV_32FC1);
-  for (int v = 0; v < depth.rows; ++v) {
-    for (int u = 0; u < depth.cols; ++u) {
-      depth.at<float>(v, u) = float(2 / n.dot(lens.pinhole().Unproject({double(u), double(v)})));
+  cv::Mat nearness(lens.pinhole().height_px, lens.pinhole().width_px, CV_32FC1);
+  for (int v = 0; v < nearness.rows; ++v) {
+    for (int u = 0; u < nearness.cols; ++u) {
+      nearness.at<float>(v, u) = float(n.dot(lens.pinhole().Unproject({double(u), double(v)})) / 2);
     }
   }
-  const cv::Mat warped = lens.WarpDepth(depth);
+  const cv::Mat warped = lens.Depth(nearness);
   for (int v = 0; v < warped.rows; ++v) {
     for (int u = 0; u < warped.cols; ++u) {
       const double z = 2 / n.dot(lens.camera().Unproject({double(u), double(v)}));
@@ -71,9 +71,9 @@ TEST(Lens, DepthOfAPlaneStaysThatOfThePlane) {
 
 TEST(Lens, DepthIsNotMixedAcrossAnEdge) {
   const Lens lens(BarrelCamera());
-  cv::Mat depth(lens.pinhole().height_px, lens.pinhole().width_px, CV_32FC1, cv::Scalar(1));
-  depth.colRange(depth.cols / 2, depth.cols).setTo(cv::Scalar(3));
-  const cv::Mat warped = lens.WarpDepth(depth);
+  cv::Mat nearness(lens.pinhole().height_px, lens.pinhole().width_px, CV_32FC1, cv::Scalar(1));
+  nearness.colRange(nearness.cols / 2, nearness.cols).setTo(cv::Scalar(1.0 / 3));
+  const cv::Mat warped = lens.Depth(nearness);
   for (int i = 0; i < int(warped.total()); ++i) {
     const float z = warped.ptr<float>()[i];
     EXPECT_TRUE(std::abs(z - 1) < 1e-6 || std::abs(z - 3) < 1e-6) << z;

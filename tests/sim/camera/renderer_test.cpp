@@ -147,19 +147,19 @@ TEST(Renderer, LeavingOutWhatIsBesideThePictureChangesNothing) {
   for (size_t i = 0; i < 12; ++i) EXPECT_EQ(cv::norm(pictures[i], pictures[i + 12], cv::NORM_INF), 0) << i;
 }
 
-TEST(Renderer, DepthIsTheDistanceAlongTheOpticalAxis) {
+TEST(Renderer, NearnessIsTheReciprocalDistanceAlongTheOpticalAxis) {
   // A wall whose face is the plane n.p = d.
   Stage stage(FlyerModel("<geom type='box' pos='3 0 0' euler='0 20 30' size='0.01 2 2'/>"));
   const CameraModel camera = OffCentreCamera();
   const Pose X_WC = LookingAlongX({0, 0, 0}) * Pose(RotZ(0.2), {0, 0, 0});
   stage.renderer.Update(*stage.data);
   stage.renderer.Draw(*stage.data, X_WC, camera);
-  const cv::Mat depth = stage.renderer.ReadDepth();
+  const cv::Mat nearness = stage.renderer.ReadNearness();
   const Eigen::Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(stage.data->geom_xmat);
   const Eigen::Vector3d n = R.col(0), on_face = Eigen::Vector3d(3, 0, 0) - 0.01 * n;
   int seen = 0;
-  for (int v = 0; v < depth.rows; ++v) {
-    for (int u = 0; u < depth.cols; ++u) {
+  for (int v = 0; v < nearness.rows; ++v) {
+    for (int u = 0; u < nearness.cols; ++u) {
       const Eigen::Vector3d ray = X_WC.R() * camera.Unproject({double(u), double(v)});
       const double z = n.dot(on_face) / n.dot(ray);
       const Eigen::Vector3d on_wall = R.transpose() * (z * ray - on_face);
@@ -167,20 +167,20 @@ TEST(Renderer, DepthIsTheDistanceAlongTheOpticalAxis) {
       ++seen;
       // One step of a 24-bit depth buffer with near plane n is z^2 / (n 2^24): 0.1 mm at 4 m. OpenGL interpolates to a
       // few.
-      EXPECT_NEAR(depth.at<float>(v, u), z, 3 * z * z / (stage.renderer.options().near_m * (1 << 24)))
+      EXPECT_NEAR(1 / nearness.at<float>(v, u), z, 3 * z * z / (stage.renderer.options().near_m * (1 << 24)))
           << u << ", " << v;
     }
   }
   EXPECT_GT(seen, 10000);
 }
 
-TEST(Renderer, DepthIsZeroWhereNothingIs) {
+TEST(Renderer, NearnessIsZeroWhereNothingIs) {
   Stage stage(FlyerModel("<geom type='sphere' pos='1 0 0' size='0.1'/>"));
   stage.renderer.Update(*stage.data);
   stage.renderer.Draw(*stage.data, LookingAlongX({0, 0, 0}), CameraModel::FromHorizontalFov(64, 48, 60));
-  const cv::Mat depth = stage.renderer.ReadDepth();
-  EXPECT_EQ(depth.at<float>(0, 0), 0);
-  EXPECT_NEAR(depth.at<float>(24, 32), 0.9, 0.002);
+  const cv::Mat nearness = stage.renderer.ReadNearness();
+  EXPECT_EQ(nearness.at<float>(0, 0), 0);
+  EXPECT_NEAR(1 / nearness.at<float>(24, 32), 0.9, 0.002);
 }
 
 TEST(Renderer, KnowsWhichBodyAPixelSees) {
