@@ -140,7 +140,8 @@ LightRow MeasureLight(const ResolvedScenario& resolved, const LightMeasurement& 
     const double frame_s = Now() - begin;
     const ExposedFrame with_truth = expose(rigs.sheared, frame, {});
     const double truth_s = Now() - begin - frame_s;
-    const int subframes = int(sheared.truth.subframes.size());
+    const ExposedFrame plainly = expose(rigs.plain, frame, kNoTruth);
+    const int subframes = int(plainly.truth.subframes.size());  // by the rule of camera.max_step_px and antialias
     const double bare_s = bare.Run(simulation.world().data(), subframes);
     seconds.push_back(frame_s);
     ratio.push_back(frame_s / bare_s);
@@ -150,7 +151,7 @@ LightRow MeasureLight(const ResolvedScenario& resolved, const LightMeasurement& 
     row.subframes += subframes;
     ++row.frames;
     if (!options.convergence) continue;
-    const cv::Mat plain = expose(rigs.plain, frame, kNoTruth).image.pixels;
+    const cv::Mat plain = plainly.image.pixels;
     const cv::Mat fine = expose(rigs.fine, frame, kNoTruth).image.pixels;
     const cv::Mat edges = NearDepthEdges(with_truth.truth.depth);
     row.sheared.Add(sheared.image.pixels, fine);
