@@ -25,7 +25,7 @@ struct RendererInfo {
 
   /// One line: "llvmpipe (LLVM 15.0.6, 256 bits), software, EGL device 0, OpenGL 4.5 ...".
   std::string ToText() const;
-  /// Renderers of the same key draw the same pictures to the bit, on whichever device.
+  /// On one machine, renderers of the same key draw the same pictures to the bit, on whichever device.
   std::string Key() const { return name + " " + version; }
 };
 
