@@ -102,6 +102,7 @@ void CheckSimulation(const Robot& robot, const Scene& scene, const SimulationOpt
 
 Simulation::Simulation(const Robot& robot, const Scene& scene, const SimulationOptions& options, uint64_t seed)
     : options_(options),
+      gl_(options.camera.renderer),
       rig_(options.camera, seed),
       world_(robot, scene, options.physics, rig_.WorldCameras(), seed),
       controller_(MakeController(robot, world_.nominal_model(), options, StartPose(scene.start, options.start))),

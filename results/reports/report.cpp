@@ -240,8 +240,7 @@ std::string ScoreTable(const ReportInput& input) {
 std::string Provenance(const ReportInput& input) {
   std::string html = "<h2>How it was made</h2>\n";
   std::vector<std::pair<std::string, std::string>> facts = input.facts;
-  if (!input.renderer.empty())
-    facts.emplace_back("renderer", input.renderer + (input.software_renderer ? " (software)" : ""));
+  if (!input.renderer.empty()) facts.emplace_back("renderer", input.renderer);
   html += internal::Facts(facts);
   if (!input.resolved_scenario.empty()) {
     html += fmt::format("<details class=\"panel\"><summary>Resolved scenario</summary><pre>{}</pre></details>\n",

@@ -42,7 +42,7 @@ struct ReportInput {
   std::string subtitle;  ///< One line: robot, scene, gait, camera, system.
   RunEnd end = RunEnd::kFinished;
   double end_time_s = 0;  ///< When it ended, on the simulation's clock.
-  std::string renderer;   ///< As EGL names it.
+  std::string renderer;   ///< Who rendered, in one line.
   bool software_renderer = false;
   double min_good_coverage_ratio = 0.8;  ///< Below it a banner warns.
 

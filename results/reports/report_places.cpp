@@ -286,7 +286,9 @@ std::string PlaceReportHtml(const PlaceReportInput& input, const std::filesystem
         "came.</p>\n";
   }
   for (const PlaceExample& example : input.examples) page.body += ExampleSection(example);
-  page.body += "<h2>Run</h2>\n" + internal::Facts(input.facts) +
+  std::vector<std::pair<std::string, std::string>> facts = input.facts;
+  if (!input.renderer.empty()) facts.emplace_back("renderer", input.renderer);
+  page.body += "<h2>Run</h2>\n" + internal::Facts(facts) +
                "<section class=\"panel\"><details><summary>Scenario, with all defaults</summary><pre>" +
                Escape(input.resolved_scenario) + "</pre></details></section>\n";
   page.data = ChartData(input, conditions);

@@ -26,7 +26,7 @@ struct PlaceExample {
 struct PlaceReportInput {
   std::string title, subtitle;
   std::string status = "finished";  ///< Or "interrupted".
-  std::string renderer;
+  std::string renderer;             ///< Who rendered, in one line.
   bool software_renderer = false;
   std::vector<std::pair<std::string, std::string>> conditions;  ///< Name and what it is.
   std::vector<PlaceMethodCost> methods;

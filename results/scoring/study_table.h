@@ -31,6 +31,7 @@ struct StudyRun {
   std::string status;                    ///< "finished", "fell", or "failed" if there is no result at all.
   std::string failure;                   ///< Why the system stopped, why nothing could be scored, or why it failed.
   double blur_median_px = 0;             ///< NaN if there is no result.
+  std::string renderer;                  ///< Who rendered the frames, in one line; empty if there is no result.
   int64_t frames = 0;                    ///< That the system was given.
   std::map<std::string, double> scores;  ///< Empty if there is no result; only coverage if too little was covered.
   std::map<std::string, double> timing;

@@ -11,6 +11,7 @@
 #include "algorithms/core/camera.h"
 #include "sim/camera/exposure.h"
 #include "sim/camera/renderer.h"
+#include "sim/camera/renderer_choice.h"
 #include "sim/world/world.h"
 
 namespace gaitcam {
@@ -63,6 +64,7 @@ struct CameraOptions {
   ExposureOptions exposure;  ///< In a scenario file these keys stand directly under `camera`.
   LensOptions lens;
   StereoOptions stereo;
+  RendererChoice renderer;
 
   /// Also checks combinations of fields. @throws BadOption naming field and value.
   void Check() const;
@@ -82,6 +84,10 @@ void VisitFields(Visitor& visit, CameraOptions& o) {
   VisitFields(visit, o.exposure);
   visit("lens", o.lens, Nested(), "distortion and principal point");
   visit("stereo", o.stereo, Nested(), "second camera");
+  visit(
+      "renderer", o.renderer, Nested(),
+      "who renders: auto (the first GPU, else software), gpu, software, or device:N as `gaitcam doctor` numbers them; "
+      "the environment variable GAITCAM_EGL overrides it");
 }
 
 /// What a rig films in one frame.

@@ -67,7 +67,8 @@ struct Scene {
                                                ///< corner lies at floor_min.
   double floor_friction = 0.8;
   std::vector<SceneTexture> textures;
-  std::vector<SceneBox> boxes;  ///< Walls, posters, furniture, table tops, lines, goals.
+  std::vector<std::filesystem::path> pictures;  ///< Files that textures show, in the order of the textures.
+  std::vector<SceneBox> boxes;                  ///< Walls, posters, furniture, table tops, lines, goals.
   std::vector<SceneLight> lights;
   std::vector<PersonOptions> people;  ///< Who walks or stands there; see AddPeople.
   int cloth_texture = -1;             ///< Texture of their clothes; one repeat spans `cloth_size_m`.

@@ -116,6 +116,8 @@ int SceneBuilder::AddTexture(const TextureOptions& wanted, const OptionValue& no
     const std::string name = fmt::format("{}{}", options.kind, scene_.textures.size());
     const auto make = [options, folder = root_.folder()] { return MakeTexture(options, folder); };
     scene_.textures.push_back({name, TextureSize(options, root_.folder()), make});
+    const std::filesystem::path picture = PictureFile(options, root_.folder());
+    if (!picture.empty()) scene_.pictures.push_back(picture);
   } catch (const BadInput& e) {
     node.Fail(e.what());
   }

@@ -70,7 +70,7 @@ cv::Size PixelSize(const TextureOptions& o, int step) {
 
 cv::Mat ReadImageFile(const TextureOptions& o, const std::filesystem::path& folder) {
   if (o.file.empty()) throw BadInput("file: missing; a texture of kind image needs the name of a picture file");
-  const std::filesystem::path path = folder / o.file;  // an absolute file stays what it is
+  const std::filesystem::path path = PictureFile(o, folder);
   if (!std::filesystem::is_regular_file(path)) throw BadInput("file: " + path.string() + ": no such picture file");
   cv::Mat image = cv::imread(path.string(), cv::IMREAD_COLOR);
   if (image.empty()) throw BadInput("file: " + path.string() + ": not a picture that can be read (PNG, JPEG, ...)");
@@ -104,6 +104,10 @@ TextureOptions CompleteTexture(TextureOptions o) {
                     " million pixels; expected at most 64 million");
   }
   return o;
+}
+
+std::filesystem::path PictureFile(const TextureOptions& o, const std::filesystem::path& folder) {
+  return FindKind(o.kind).make ? std::filesystem::path() : folder / o.file;  // an absolute file stays what it is
 }
 
 cv::Size TextureSize(const TextureOptions& o, const std::filesystem::path& folder) {

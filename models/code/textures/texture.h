@@ -51,6 +51,9 @@ void VisitFields(Visitor& visit, TextureOptions& o) {
 /// @throws BadOption naming field, value and range; also if the picture would have more than 64 million pixels.
 TextureOptions CompleteTexture(TextureOptions options);
 
+/// The file that a texture of the kind `image` shows; empty for the kinds that are generated.
+std::filesystem::path PictureFile(const TextureOptions& options, const std::filesystem::path& folder);
+
 /// Size of the picture that MakeTexture makes of completed options; of the kind `image`, as many pixels as the file
 /// has.
 /// @throws BadInput as MakeTexture does.

@@ -38,7 +38,8 @@ void WriteYaml(YAML::Emitter& out, const T& value);
 
 namespace internal {
 
-/// An empty list of described structs and an absent one are not written.
+/// An empty list of described structs and an absent one are not written. A type with rules of its own may provide
+/// `bool SaysNothing(const T&)` in its namespace.
 template <class T>
 bool SaysNothing(const T&) {
   return false;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -31,16 +32,23 @@ Finding Examine(const std::string& what, Check check) {
   }
 }
 
+/// What decides unless a scenario says `camera.renderer`, or says what the scenario does not.
+std::string WhoChooses() {
+  const char* variable = std::getenv("GAITCAM_EGL");
+  return variable == nullptr || *variable == '\0' ? "camera.renderer: auto" : std::string("GAITCAM_EGL=") + variable;
+}
+
 std::vector<Finding> Findings() {
   std::vector<Finding> findings;
   for (const auto& [name, version] : LibraryVersions()) findings.push_back({name, version});
   findings.push_back({"processors", std::to_string(std::thread::hardware_concurrency())});
   findings.push_back(Examine("data folder", [] { return DataFolder().string(); }));
+  for (const EglDeviceReport& report : ListEglDevices())
+    findings.push_back({fmt::format("EGL device {}", report.device.index), report.ToText()});
   findings.push_back(Examine("EGL", [] {
-    const EglContext gl;
-    return fmt::format(
-        "{}, {}, OpenGL {}{}", gl.vendor(), gl.renderer(), gl.version(),
-        gl.is_software() ? " -- SOFTWARE RENDERING: correct, but 40 to 400 times slower than a GPU" : "");
+    const RendererInfo renderer = EglContext().info();
+    return WhoChooses() + " takes " + renderer.ToText() +
+           (renderer.is_software ? " -- SOFTWARE RENDERING: correct, but 40 to 400 times slower than a GPU" : "");
   }));
   findings.push_back(Examine("report charts", [] {
     ReportHtml(ReportInput{});

@@ -328,7 +328,14 @@ void AddVerbs(CLI::App& app, Arguments& a) {
   AddWork(app, a);
   AddValidate(app, a);
   AddList(app, a);
-  app.add_subcommand("doctor", "print versions, the EGL device, and what is missing");
+  app.add_subcommand("doctor", "print versions, EGL's devices, which one renders, and what is missing")
+      ->footer(
+          "Who renders is chosen by camera.renderer in a scenario, or by the environment variable GAITCAM_EGL "
+          "instead:\n"
+          "  auto      the first GPU that gives an OpenGL context, else software\n"
+          "  gpu       fails without one (exit code 4)\n"
+          "  software  Mesa on the CPU\n"
+          "  device:N  the N-th EGL device of the list, from 0");
   AddHelp(app, a);
   app.footer(
       "Examples:\n"

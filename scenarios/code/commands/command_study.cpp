@@ -56,6 +56,12 @@ std::vector<std::pair<std::string, std::string>> FactsOf(const Study& study, con
       {"runs", fmt::format("{}: {} conditions, {} seeds each", study.table.runs.size(), study.table.conditions(),
                            study.table.seeds)}};
   for (const auto& fact : LibraryVersions()) facts.push_back(fact);
+  std::map<std::string, int> renderers;
+  for (const StudyRun& run : study.table.runs) {
+    if (!run.renderer.empty()) ++renderers[run.renderer];
+  }
+  for (const auto& [renderer, runs] : renderers)
+    facts.emplace_back("renderer", renderers.size() == 1 ? renderer : fmt::format("{}: {} runs", renderer, runs));
   return facts;
 }
 

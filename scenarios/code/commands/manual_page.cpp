@@ -70,6 +70,10 @@ constexpr const char* kSurroundings = R"(.SH ENVIRONMENT
 .B GAITCAM_DATA
 folder of robots, scenes and scenarios, instead of those that were installed
 .TP
+.B GAITCAM_EGL
+who renders, instead of what the scenario says under camera.renderer: auto, gpu, software, or device:N as doctor numbers
+them
+.TP
 .B XDG_CACHE_HOME
 recorded walks are kept in gaitcam/sequences of it; if it is not set, in ~/.cache
 .TP

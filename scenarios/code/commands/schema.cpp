@@ -168,6 +168,10 @@ Schema SchemaOf(const PersonOptions& value) {
 
 Schema SchemaOf(const PairChoice&) { return {{"anyOf", {{{"type", "boolean"}}, SchemaOf(PairOptions())}}}; }
 
+Schema SchemaOf(const RendererChoice&) {
+  return {{"type", "string"}, {"pattern", "^(auto|gpu|software|device:[0-9]+)$"}};
+}
+
 Schema SchemaOf(const Assignments&) { return Reference("assignments"); }
 Schema SchemaOf(const Axes&) { return Reference("axes"); }
 

@@ -40,6 +40,7 @@ Schema SchemaOf(const SystemChoice&);
 Schema SchemaOf(const GaitChoice&);
 Schema SchemaOf(const PersonOptions&);
 Schema SchemaOf(const PairChoice&);
+Schema SchemaOf(const RendererChoice&);
 Schema SchemaOf(const Assignments&);  ///< Refers to $defs/assignments of the file's schema.
 Schema SchemaOf(const Axes&);         ///< Refers to $defs/axes.
 Schema SchemaOf(const Seeds&);
@@ -71,6 +72,7 @@ inline Schema DefaultOf(uint64_t value) { return value; }
 inline Schema DefaultOf(bool value) { return value; }
 inline Schema DefaultOf(const std::string& value) { return value.empty() ? Schema() : Schema(value); }
 inline Schema DefaultOf(const SystemChoice& value) { return value.name; }
+inline Schema DefaultOf(const RendererChoice& value) { return value.ToText(); }
 template <class T>
 Schema DefaultOf(const std::vector<T>& values) {
   if constexpr (std::is_same_v<T, std::string> || std::is_arithmetic_v<T>) return values;

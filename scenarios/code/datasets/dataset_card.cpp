@@ -106,7 +106,7 @@ std::string VersionsText(const std::vector<SequenceRecord>& records) {
   for (const auto& [name, version] : LibraryVersions()) text += fmt::format("- {}: {}\n", name, version);
   std::map<std::string, int> made_by;
   for (const SequenceRecord& r : records)
-    ++made_by[fmt::format("gaitcam {} ({}), {}", r.program, r.frames_fingerprint.substr(0, 12), r.renderer)];
+    ++made_by[fmt::format("gaitcam {} ({}), {}", r.program, r.frames_fingerprint.substr(0, 12), r.renderer.ToText())];
   for (const auto& [by, count] : made_by) text += fmt::format("- {} sequences by {}\n", count, by);
   return text;
 }

@@ -61,14 +61,15 @@ std::vector<PlannedSequence> PlanSequences(const Experiment& experiment) {
 }
 
 void CheckConditions(const OptionValue& root, const RecordMatrix& matrix) {
-  std::map<std::string, std::string> labels;  // by the hash of their frames
+  std::map<std::string, std::string> labels;  // by the hash of their frames and who is to render them
   for (const Condition& condition : matrix.experiment.conditions) {
     try {
       CheckPlan(condition.resolved);
     } catch (const BadInput& e) {
       FailAtCondition(root, matrix.options, condition.levels, e.what());
     }
-    const auto [it, is_new] = labels.emplace(FramesHashOf(condition.resolved), condition.Label());
+    const std::string films = FramesHashOf(condition.resolved) + condition.resolved.scenario.camera.renderer.ToText();
+    const auto [it, is_new] = labels.emplace(films, condition.Label());
     if (!is_new) root.Fail("the conditions \"" + it->second + "\" and \"" + condition.Label() + "\" film the same");
   }
 }
@@ -118,11 +119,17 @@ std::map<std::string, SequenceRecord> FindFinished(const RecordMatrix& matrix, c
     wanted.insert({sequence.name, sequence.name + "-truth"});
     const std::optional<SequenceRecord> record = FindSequence(folder, sequence.name);
     if (!record) continue;
-    if (record->recipe != RecipeOf(matrix.Resolved(sequence), matrix.options.recording)) {
-      throw BadInput((folder / sequence.name).string() +
-                     ": was recorded from another scenario or with other options; remove it with its truth, or name "
-                     "another folder");
-    }
+    const ResolvedScenario resolved = matrix.Resolved(sequence);
+    const auto refuse = [&](const std::string& why) {
+      throw BadInput((folder / sequence.name).string() + ": was " + why +
+                     "; remove it with its truth, or name another folder");
+    };
+    if (record->recipe != RecipeOf(resolved, matrix.options.recording))
+      refuse("recorded from another scenario or with other options");
+    const RendererChoice& choice = resolved.scenario.camera.renderer;
+    if (!choice.Permits(record->renderer.is_software))
+      refuse(fmt::format("rendered by {}, which camera.renderer = {} rules out", record->renderer.ToText(),
+                         choice.ToText()));
     finished[sequence.name] = *record;
   }
   for (const auto& entry : fs::directory_iterator(folder)) {

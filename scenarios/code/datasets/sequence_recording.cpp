@@ -13,6 +13,7 @@
 #include "scenarios/code/files/versions.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/recorder.h"
+#include "scenarios/code/runs/renderer_record.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -23,21 +24,21 @@ constexpr const char* kChecksums = "files.sha256";
 constexpr const char* kSchema = "gaitcam.sequence.1";
 
 nlohmann::ordered_json ToJson(const SequenceRecord& r) {
-  return {{"schema", kSchema},
-          {"name", r.name},
-          {"recipe", r.recipe},
-          {"status", r.status},
-          {"end_time_s", r.end_time_s},
-          {"distance_m", r.distance_m},
-          {"frames", r.frames},
-          {"pairs", r.pairs},
-          {"blur_median_px", r.blur_median_px},
-          {"blur_p90_px", r.blur_p90_px},
-          {"blur_max_px", r.blur_max_px},
-          {"renderer", r.renderer},
-          {"software_renderer", r.software_renderer},
-          {"program", r.program},
-          {"frames_fingerprint", r.frames_fingerprint}};
+  nlohmann::ordered_json json{{"schema", kSchema},
+                              {"name", r.name},
+                              {"recipe", r.recipe},
+                              {"status", r.status},
+                              {"end_time_s", r.end_time_s},
+                              {"distance_m", r.distance_m},
+                              {"frames", r.frames},
+                              {"pairs", r.pairs},
+                              {"blur_median_px", r.blur_median_px},
+                              {"blur_p90_px", r.blur_p90_px},
+                              {"blur_max_px", r.blur_max_px},
+                              {"program", r.program},
+                              {"frames_fingerprint", r.frames_fingerprint}};
+  WriteRenderer(r.renderer, json);
+  return json;
 }
 
 SequenceRecord FromJson(const nlohmann::json& json) {
@@ -52,8 +53,7 @@ SequenceRecord FromJson(const nlohmann::json& json) {
   r.blur_median_px = json.at("blur_median_px");
   r.blur_p90_px = json.at("blur_p90_px");
   r.blur_max_px = json.at("blur_max_px");
-  r.renderer = json.at("renderer");
-  r.software_renderer = json.at("software_renderer");
+  r.renderer = ReadRenderer(json);
   r.program = json.at("program");
   r.frames_fingerprint = json.at("frames_fingerprint");
   return r;
@@ -129,7 +129,6 @@ std::optional<SequenceRecord> RecordSequence(const ResolvedScenario& resolved, c
   record.distance_m = outcome.distance_m;
   record.frames = outcome.frames;
   record.renderer = outcome.renderer;
-  record.software_renderer = outcome.software_renderer;
   record.program = ProgramVersion();
   record.frames_fingerprint = FramesFingerprint();
   WriteTextFile(folders.truth / kRecord, ToJson(record).dump(2) + "\n");

@@ -50,8 +50,7 @@ struct SequenceRecord {
   int64_t frames = 0;
   int pairs = 0;
   double blur_median_px = 0, blur_p90_px = 0, blur_max_px = 0;  ///< Over the frames' medians.
-  std::string renderer;
-  bool software_renderer = false;
+  RendererInfo renderer;
   std::string program, frames_fingerprint;  ///< Versions that made it.
 };
 

@@ -136,6 +136,12 @@ std::string ResolvedScenario::ToYaml() const {
   return std::string(out.c_str()) + "\n";
 }
 
+ResolvedScenario ResolvedScenario::OnAnyRenderer() const {
+  ResolvedScenario copy = *this;
+  copy.scenario.camera.renderer = {};
+  return copy;
+}
+
 namespace {
 
 /// The scenario with nothing in it that is for people only or that says where files lie, and what those files hold.
@@ -151,6 +157,7 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
     scenario.system_seed.reset();
     scenario.handicap = {};
     scenario.score = {};
+    scenario.camera.renderer = {};
     if (scenario.localisation) {
       scenario.localisation->methods.clear();
       scenario.localisation->wavelet = {};
@@ -169,6 +176,7 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
   }
   std::vector<fs::path> files{resolved.robot.yaml_file, resolved.robot.urdf_file, resolved.scene.file};
   files.insert(files.end(), meshes.begin(), meshes.end());
+  files.insert(files.end(), resolved.scene.pictures.begin(), resolved.scene.pictures.end());
   for (const fs::path& file : files) text += file.empty() ? "" : "\n" + Sha256OfFile(file);
   return text;
 }

@@ -134,14 +134,17 @@ struct ResolvedScenario {
   Scene scene;
   std::filesystem::path file;
 
-  /// The whole scenario as YAML, every default written out; reading it again gives the same run.
+  /// The whole scenario as YAML, every default written out but a `camera.renderer` that is left to the machine; reading
+  /// it again gives the same run.
   std::string ToYaml() const;
+  /// The same without a choice of who renders.
+  ResolvedScenario OnAnyRenderer() const;
 };
 
 /// SHA-256 of everything that decides a run's numbers: the resolved scenario with what its robot and scene files hold,
-/// but neither names for people, nor the film, nor where files lie.
+/// and the meshes and pictures that these name, but neither names for people, nor the film, nor where files lie.
 std::string HashOf(const ResolvedScenario& resolved);
-/// ... that decides the frames: not the system, nor how it is scored.
+/// ... that decides what the frames show: not the system, nor how it is scored, nor who renders.
 std::string FramesHashOf(const ResolvedScenario& resolved);
 
 /// Robots and scenes that were read already: making a scene's textures takes a while.

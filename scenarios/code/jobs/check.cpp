@@ -44,8 +44,8 @@ MeasuredRun RunOf(const Suite& suite, const ResolvedScenario& resolved, const Ex
                   const ExecutorOutcome& outcome, std::set<std::string>& renderers) {
   MeasuredRun run;
   run.seed = resolved.scenario.seed;
-  run.hash = HashOf(resolved);
-  const auto failure = outcome.failures.find(run.hash);
+  run.hash = HashOf(resolved.OnAnyRenderer());
+  const auto failure = outcome.failures.find(HashOf(resolved));
   const std::optional<JobRecord> record =
       failure == outcome.failures.end() ? FindJob(options.runs, resolved) : std::nullopt;
   if (!record) {
@@ -53,7 +53,7 @@ MeasuredRun RunOf(const Suite& suite, const ResolvedScenario& resolved, const Ex
     run.reason = failure == outcome.failures.end() ? "the run left nothing behind" : failure->second;
     return run;
   }
-  renderers.insert(record->renderer);
+  renderers.insert(record->renderer.name);
   KeepGatingValues(suite, *record, run);
   if (!record->failure.empty()) {
     run.state = RunState::kCrashed;
@@ -147,7 +147,7 @@ Baseline MakeBaseline(const Suite& suite, const SuiteMeasurement& measurement) {
                                       measured[i].scenario, measured[i].system, measured[i].runs.front().seed,
                                       measured[i].runs.front().reason));
     }
-    baseline.entries.push_back({measured[i], suite.entries[i].resolved.ToYaml()});
+    baseline.entries.push_back({measured[i], suite.entries[i].resolved.OnAnyRenderer().ToYaml()});
   }
   return baseline;
 }

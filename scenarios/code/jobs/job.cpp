@@ -15,6 +15,7 @@
 #include "results/scoring/score_text.h"
 #include "scenarios/code/files/versions.h"
 #include "scenarios/code/runs/output_folder.h"
+#include "scenarios/code/runs/renderer_record.h"
 #include "scenarios/code/runs/run_scores.h"
 #include "scenarios/code/runs/runner.h"
 #include "scenarios/code/runs/tracked_system.h"
@@ -35,8 +36,8 @@ nlohmann::ordered_json ToJson(const JobRecord& record, const std::string& progra
                               {"not_scored", record.not_scored},
                               {"frames", record.frames},
                               {"end_time_s", record.end_time_s},
-                              {"blur_median_px", record.blur_median_px},
-                              {"renderer", record.renderer}};
+                              {"blur_median_px", record.blur_median_px}};
+  WriteRenderer(record.renderer, json);
   for (const auto& [name, value] : record.scores) json["scores"][name] = value;  // NaN becomes null
   for (const auto& [name, value] : record.timing) json["timing"][name] = value;
   return json;
@@ -58,7 +59,7 @@ JobRecord FromJson(const nlohmann::json& json) {
   record.frames = json.at("frames");
   record.end_time_s = json.at("end_time_s");
   record.blur_median_px = json.at("blur_median_px");
-  record.renderer = json.at("renderer");
+  record.renderer = ReadRenderer(json);
   record.scores = NumbersOf(json, "scores");
   record.timing = NumbersOf(json, "timing");
   return record;
@@ -72,7 +73,7 @@ struct TrackedWalk {
   std::vector<double> blur_px;  ///< Median over the image, per frame.
   std::string status;
   double end_time_s = 0;
-  std::string renderer;
+  RendererInfo renderer;
 };
 
 /// Frames from the cache. @returns nothing if interrupted.
@@ -114,7 +115,7 @@ std::optional<TrackedWalk> TrackItsOwn(const ResolvedScenario& resolved, const f
   if (simulation.status() == SimulationStatus::kWalking) return std::nullopt;
   walk.status = StatusText(EndOf(simulation));
   walk.end_time_s = simulation.end_time_s();
-  walk.renderer = simulation.gl().renderer();
+  walk.renderer = simulation.gl().info();
   return walk;
 }
 

@@ -27,7 +27,7 @@ struct JobRecord {
   double blur_median_px = 0;             ///< Median over the frames of each frame's median.
   int64_t frames = 0;
   double end_time_s = 0;
-  std::string renderer;
+  RendererInfo renderer;
 };
 
 struct JobOptions {

@@ -11,6 +11,7 @@
 #include "scenarios/code/files/versions.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/recorder.h"
+#include "scenarios/code/runs/renderer_record.h"
 #include "sim/camera/egl_context.h"
 
 namespace gaitcam {
@@ -21,15 +22,6 @@ constexpr const char* kAbout = "sequence.json";  // written last: an entry that 
 
 /// The lock lies beside the entry, so that it outlives the entry's removal.
 fs::path LockOf(const fs::path& entry) { return entry.string() + ".lock"; }
-
-/// Renderers differ in some grey levels, so the renderer is part of the key. Reading its name costs an EGL context.
-const std::string& RendererName() {
-  static const std::string name = [] {
-    const EglContext gl;
-    return gl.renderer() + " " + gl.version();
-  }();
-  return name;
-}
 
 uintmax_t SizeOf(const fs::path& folder) {
   uintmax_t bytes = 0;
@@ -64,7 +56,8 @@ SequenceCache::SequenceCache(const SequenceCacheOptions& options)
 
 std::optional<CachedSequence> SequenceCache::Get(const ResolvedScenario& resolved, bool quiet,
                                                  const std::function<bool()>& interrupted) const {
-  const std::string key = Sha256(FramesHashOf(resolved) + FramesFingerprint() + RendererName()).substr(0, 32);
+  const std::string renderer = RendererKey(resolved.scenario.camera.renderer);
+  const std::string key = Sha256(FramesHashOf(resolved) + FramesFingerprint() + renderer).substr(0, 32);
   const fs::path entry = folder_ / key;
   for (bool recorded = false;; recorded = true) {
     if (std::optional<CachedSequence> sequence = Open(entry)) {
@@ -90,8 +83,7 @@ std::optional<CachedSequence> SequenceCache::Open(const fs::path& entry) const {
                         about.at("end_time_s"),
                         about.at("distance_m"),
                         about.at("frames"),
-                        about.at("renderer"),
-                        about.at("software_renderer"),
+                        ReadRenderer(about),
                         true,
                         std::move(lock)};
 }
@@ -107,13 +99,12 @@ bool SequenceCache::Record(const ResolvedScenario& resolved, const fs::path& ent
   options.interrupted = interrupted;
   const RecordOutcome outcome = RecordScenario(resolved, DatasetFolders::In(folder.path(), "sequence"), options);
   if (outcome.status == "interrupted") return false;
-  const nlohmann::ordered_json about{{"scenario", resolved.scenario.name},
-                                     {"status", outcome.status},
-                                     {"end_time_s", outcome.end_time_s},
-                                     {"distance_m", outcome.distance_m},
-                                     {"frames", outcome.frames},
-                                     {"renderer", outcome.renderer},
-                                     {"software_renderer", outcome.software_renderer}};
+  nlohmann::ordered_json about{{"scenario", resolved.scenario.name},
+                               {"status", outcome.status},
+                               {"end_time_s", outcome.end_time_s},
+                               {"distance_m", outcome.distance_m},
+                               {"frames", outcome.frames}};
+  WriteRenderer(outcome.renderer, about);
   folder.WriteText(kAbout, about.dump(2) + "\n");
   folder.Commit();
   return true;

@@ -32,8 +32,7 @@ struct CachedSequence {
   std::string status;  ///< How the walk ended: "finished", "fell".
   double end_time_s = 0, distance_m = 0;
   int64_t frames = 0;
-  std::string renderer;
-  bool software_renderer = false;
+  RendererInfo renderer;
   bool was_there = false;  ///< True: it was in the cache; false: recorded by this call.
   FileLock lock;
 

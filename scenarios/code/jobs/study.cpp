@@ -203,6 +203,7 @@ void CollectRuns(const fs::path& runs, const std::vector<WorkItem>& items,
     run.status = record->status;
     run.failure = record->failure.empty() ? record->not_scored : record->failure;
     run.blur_median_px = record->blur_median_px;
+    run.renderer = record->renderer.ToText();
     run.frames = record->frames;
     run.scores = record->scores;
     run.timing = record->timing;

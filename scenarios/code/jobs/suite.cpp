@@ -199,9 +199,9 @@ void CheckEntryComparable(const Suite& suite, const SuiteEntry& entry, const Bas
     const auto& runs = before.measured.runs;
     const auto run = std::find_if(runs.begin(), runs.end(), [&](const MeasuredRun& r) { return r.seed == seed; });
     if (run == runs.end()) Incomparable(file, fmt::format("it has no seed {} of {}", seed, name));
-    const ResolvedScenario resolved = entry.WithSeed(seed);
+    const ResolvedScenario resolved = entry.WithSeed(seed).OnAnyRenderer();
     if (run->hash == HashOf(resolved)) continue;
-    ResolvedScenario first = entry.resolved;
+    ResolvedScenario first = entry.resolved.OnAnyRenderer();
     first.scenario.seed = runs.front().seed;
     const std::string difference = DifferenceOf(before.resolved, first.ToYaml());
     Incomparable(file, fmt::format("{} is another scenario by now: {}", name,

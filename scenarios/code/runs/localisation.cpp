@@ -17,6 +17,7 @@
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/place_cache.h"
 #include "scenarios/code/runs/progress.h"
+#include "scenarios/code/runs/renderer_record.h"
 
 namespace gaitcam {
 namespace {
@@ -204,8 +205,8 @@ std::string WithUnit(const Score& score) {
 std::string ScoresFile(const Scores& scores, const PlaceViews& views, const std::string& status, uint64_t seed) {
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(ScoresToJson(scores));
   json.erase("alignment");  // nothing was aligned
-  json["run"] = {
-      {"status", status}, {"seed", seed}, {"renderer", views.renderer}, {"software_renderer", views.software_renderer}};
+  json["run"] = {{"status", status}, {"seed", seed}};
+  WriteRenderer(views.renderer, json["run"]);
   return json.dump(2) + "\n";
 }
 
@@ -217,8 +218,8 @@ PlaceReportInput ReportOf(const ResolvedScenario& resolved, const PlaceViews& vi
                                 resolved.scene.name, views.references.size(), views.layout.width_px,
                                 views.layout.height_px, views.queries.size(), s.camera.width_px, s.camera.height_px);
   report.status = status;
-  report.renderer = views.renderer;
-  report.software_renderer = views.software_renderer;
+  report.renderer = views.renderer.ToText();
+  report.software_renderer = views.renderer.is_software;
   for (const std::string& condition : PlaceConditions(*s.localisation))
     report.conditions.emplace_back(condition, PlaceConditionText(condition));
   report.resolved_scenario = resolved.ToYaml();

@@ -69,8 +69,8 @@ cv::Mat Draw(const std::vector<Pasting>& pastings, double scale, double horizon_
 }  // namespace
 
 std::vector<RobotPicture> PictureRobot(const Robot& robot, const Scene& scene, const GaitOptions& gait,
-                                       double eye_height_m) {
-  const EglContext gl;
+                                       const RendererChoice& choice, double eye_height_m) {
+  const EglContext gl(choice);
   World world(robot, Studio(scene), {}, {}, 0);
   if (robot.kind == Robot::Kind::kHumanoid) {
     PathOptions stand;

@@ -10,6 +10,7 @@
 #include "algorithms/places/panorama.h"
 #include "models/code/robots/robot.h"
 #include "models/code/scenes/scene.h"
+#include "sim/camera/renderer_choice.h"
 
 namespace gaitcam {
 
@@ -24,7 +25,7 @@ struct RobotPicture {
 /// Renders it from all sides in the light of a scene. Needs no EglContext of the caller's, and none may be current.
 /// @param eye_height_m of who sees it. @throws MissingResource if there is no EGL device.
 std::vector<RobotPicture> PictureRobot(const Robot& robot, const Scene& scene, const GaitOptions& gait,
-                                       double eye_height_m);
+                                       const RendererChoice& renderer, double eye_height_m);
 
 struct PastedImage {
   cv::Mat image;             ///< CV_8UC3

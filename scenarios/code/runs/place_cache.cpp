@@ -11,6 +11,7 @@
 #include "scenarios/code/files/versions.h"
 #include "scenarios/code/runs/file_lock.h"
 #include "scenarios/code/runs/output_folder.h"
+#include "scenarios/code/runs/renderer_record.h"
 #include "sim/camera/egl_context.h"
 
 namespace gaitcam {
@@ -20,11 +21,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr const char* kAbout = "sequence.json";  // as recorded walks have it: their cache then removes these as well
-
-std::string RendererName() {
-  const EglContext gl;
-  return gl.renderer() + " " + gl.version();
-}
 
 fs::path LockOf(const fs::path& entry) { return entry.string() + ".lock"; }
 std::string PanoramaName(size_t i) { return fmt::format("panorama_{:04}.png", i); }
@@ -72,8 +68,7 @@ void WriteAll(const PlaceViews& views, const OutputFolder& folder) {
   Json about;
   about["layout"] = {views.layout.width_px, views.layout.height_px, views.layout.tan_low, views.layout.tan_high};
   about["view_width_px"] = views.view_width_px;
-  about["renderer"] = views.renderer;
-  about["software_renderer"] = views.software_renderer;
+  WriteRenderer(views.renderer, about);
   about["references"] = about["queries"] = Json::array();
   for (size_t i = 0; i < views.references.size(); ++i) {
     about["references"].push_back(JsonOf(views.references[i]));
@@ -91,7 +86,8 @@ void WriteAll(const PlaceViews& views, const OutputFolder& folder) {
 
 PlaceCache::PlaceCache(const fs::path& folder, const ResolvedScenario& resolved) {
   if (folder.empty()) return;
-  const std::string key = Sha256(FramesHashOf(resolved) + ProgramFingerprint() + RendererName()).substr(0, 32);
+  const std::string renderer = RendererKey(resolved.scenario.camera.renderer);
+  const std::string key = Sha256(FramesHashOf(resolved) + ProgramFingerprint() + renderer).substr(0, 32);
   std::error_code error;
   fs::create_directories(folder, error);
   if (!error) entry_ = fs::absolute(folder) / ("places-" + key);
@@ -108,8 +104,7 @@ std::optional<PlaceViews> PlaceCache::Read() const {
   PlaceViews views;
   views.layout = {about["layout"][0], about["layout"][1], about["layout"][2], about["layout"][3]};
   views.view_width_px = about["view_width_px"];
-  views.renderer = about["renderer"];
-  views.software_renderer = about["software_renderer"];
+  views.renderer = ReadRenderer(about);
   for (const Json& json : about["references"]) {
     views.references.push_back(ReferenceOf(json));
     views.references.back().panorama = ReadImage(entry_ / PanoramaName(views.references.size() - 1));

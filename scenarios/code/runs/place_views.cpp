@@ -139,8 +139,7 @@ class PlaceViewMaker {
   /// References and plain views.
   void Stand() {
     StandingRobot robot(resolved_.robot, resolved_.scene, StandingOptions(scenario_), scenario_.seed);
-    views_.renderer = robot.gl().renderer();
-    views_.software_renderer = robot.gl().is_software();
+    views_.renderer = robot.gl().info();
     Prepare(robot.calibration());
     for (size_t i = 0; i < views_.grid.size() && !stopped_; ++i) {
       views_.references.push_back(Scan(robot, views_.grid.At(i), SeedOf(scenario_.seed, "reference", int(i))));
@@ -191,8 +190,8 @@ class PlaceViewMaker {
   /// The plain views once more, with robots in the way.
   void Occlude() {
     if (options_.occlusions.empty()) return;
-    const std::vector<RobotPicture> pictures =
-        PictureRobot(resolved_.robot, resolved_.scene, scenario_.gait.options, eye_height_m_);
+    const std::vector<RobotPicture> pictures = PictureRobot(resolved_.robot, resolved_.scene, scenario_.gait.options,
+                                                            scenario_.camera.renderer, eye_height_m_);
     for (const double ratio : options_.occlusions) {
       RandomStream random(scenario_.seed, "localisation." + OcclusionName(ratio));
       for (size_t i = 0; i < poses_.size() && !stopped_; ++i) {

@@ -39,8 +39,7 @@ struct PlaceViews {
   PlaceGrid grid;
   PanoramaLayout layout;
   int view_width_px = 0;
-  std::string renderer;
-  bool software_renderer = false;
+  RendererInfo renderer;
   std::vector<PlaceReference> references;  ///< In the order of the grid.
   std::vector<PlaceQuery> queries;         ///< Condition after condition.
 };

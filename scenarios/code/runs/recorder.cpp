@@ -31,8 +31,7 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
   outcome.end_time_s = simulation.end_time_s();
   outcome.distance_m = simulation.distance_m();
   outcome.frames = writer.frames();
-  outcome.renderer = simulation.gl().renderer();
-  outcome.software_renderer = simulation.gl().is_software();
+  outcome.renderer = simulation.gl().info();
   writer.Finish(fmt::format("{} at {:.3f} s", outcome.status, outcome.end_time_s));
   WriteTextFile(folders.truth / "scenario.yaml", resolved.ToYaml());
   return outcome;

@@ -20,8 +20,7 @@ struct RecordOutcome {
   std::string status;  ///< As of a run.
   double end_time_s = 0, distance_m = 0;
   int64_t frames = 0;
-  std::string renderer;  ///< As EGL names it.
-  bool software_renderer = false;
+  RendererInfo renderer;
 };
 
 /// Writes the two folders: what a SLAM system may see, and the truth beside it, the resolved scenario in it.

@@ -17,6 +17,7 @@
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/place_views.h"
 #include "scenarios/code/runs/progress.h"
+#include "scenarios/code/runs/renderer_record.h"
 #include "scenarios/code/runs/run_log.h"
 #include "scenarios/code/runs/run_scores.h"
 #include "scenarios/code/runs/tracked_system.h"
@@ -97,8 +98,7 @@ std::string ScoresFile(const ReportInput& report, const Estimate& estimate, cons
   run["frames"] = report.frames.size();
   run["distance_m"] = simulation.distance_m();
   run["seed"] = seed;
-  run["renderer"] = report.renderer;
-  run["software_renderer"] = report.software_renderer;
+  WriteRenderer(simulation.gl().info(), run);
   if (!estimate.failure.empty()) run["system_failed"] = estimate.failure;
   if (!scores) run["not_scored"] = report.no_scores_reason;
   json["run"] = run;
@@ -182,8 +182,8 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   report.subtitle = Subtitle(resolved);
   report.end = EndOf(simulation);
   report.end_time_s = simulation.end_time_s();
-  report.renderer = simulation.gl().renderer();
-  report.software_renderer = simulation.gl().is_software();
+  report.renderer = simulation.gl().info().ToText();
+  report.software_renderer = simulation.gl().info().is_software;
   report.truth = log.truth();
   report.frames = log.ReportFrames(estimate);
   report.twins = log.Twins();

@@ -96,7 +96,7 @@ struct MadeUpRun {
     input.title = "quickstart";
     input.subtitle = "khr1hv walks a circle in lab, gait normal, 320 x 240 at 30 Hz, exposure 20 ms; sift_vo looks on";
     input.end_time_s = 20;
-    input.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
+    input.renderer = "llvmpipe (LLVM 15.0.6, 256 bits), software, EGL device 0, OpenGL 4.5";
     input.truth = truth;
     for (int k = 0; k < 8; ++k) {
       ReportTwin twin;
@@ -278,6 +278,14 @@ TEST(Report, ABrowserThatFindsABlankChartSaysSo) {
   const Browsed browsed = Browse(folder.path() / "report.html");
   EXPECT_EQ(Attribute(browsed.dom, "data-charts"), "8");
   EXPECT_EQ(Attribute(browsed.dom, "data-charts-drawn"), "7");
+}
+
+TEST(Report, SaysWhoRenderedWhoeverItWas) {
+  MadeUpRun run;
+  for (const char* renderer : {"llvmpipe (LLVM 15.0.6, 256 bits), software, EGL device 0", "A GPU, EGL device 1"}) {
+    run.input.renderer = renderer;
+    EXPECT_THAT(ReportHtml(run.input), HasSubstr(renderer));
+  }
 }
 
 TEST(Report, IsOneFileThatAsksForNothingElse) {

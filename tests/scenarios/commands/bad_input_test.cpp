@@ -46,6 +46,17 @@ TEST_F(BadInputTest, WrongTypeAndRangeNameLineAndColumn) {
   ExpectRefusal("camera: {exposure_ms: 900}\n", "s.yaml:1:23: camera.exposure_ms: 900 is not permitted; expected");
 }
 
+TEST_F(BadInputTest, ARendererThatIsNoChoiceIsToldWhatWouldBe) {
+  const std::string permitted = "is not permitted; expected one of auto, gpu, software, device:N";
+  ExpectRefusal("camera:\n  renderer: softwar\n",
+                "s.yaml:2:13: camera.renderer: \"softwar\" " + permitted + " (did you mean software?)");
+  ExpectRefusal("camera: {renderer: 'device:-1'}\n", "s.yaml:1:20: camera.renderer: \"device:-1\" " + permitted, "",
+                "validate");
+  ExpectRefusal("camera: {renderer: [gpu]}\n", "s.yaml:1:20: camera.renderer: expected a text");
+  ExpectRefusal("", "--set camera.renderer=device:one: \"device:one\" " + permitted,
+                "--set camera.renderer=device:one");
+}
+
 TEST_F(BadInputTest, NamesThatDoNotExistAreNamedWithTheNearest) {
   ExpectRefusal("robot: khr1v\n", "khr1hv");
   ExpectRefusal("scene: labb\n", "lab");

@@ -117,6 +117,7 @@ TEST(MachineWithoutEgl, IsToldInOneLineAndNothingIsWritten) {
   const ProgramResult doctor = RunShell(call + "doctor", temporary.path());
   EXPECT_EQ(doctor.exit_code, 4);
   EXPECT_THAT(doctor.out, HasSubstr("EGL            MISSING"));
+  EXPECT_THAT(doctor.out, HasSubstr("EGL lists no device"));
 }
 
 }  // namespace

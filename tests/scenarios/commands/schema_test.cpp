@@ -89,6 +89,8 @@ TEST_F(SchemaTest, AResolvedScenarioWithEveryDefaultWrittenOutIsGood) {
   const std::string said =
       ValidateText("scenario", ReadScenario(TestData() / "scenarios/quickstart.yaml", {"start=[0,0,90]"}).ToYaml());
   EXPECT_THAT(said, HasSubstr(": good"));
+  for (const std::string renderer : {"auto", "gpu", "software", "device:0", "device:12"})
+    EXPECT_THAT(ValidateText("scenario", "camera: {renderer: '" + renderer + "'}\n"), HasSubstr(": good")) << renderer;
 }
 
 TEST_F(SchemaTest, PlantedErrorsAreBad) {
@@ -99,6 +101,8 @@ TEST_F(SchemaTest, PlantedErrorsAreBad) {
       {"scenario", "seed: 1.5"},
       {"scenario", "camera: {exposure_ms: 900}"},
       {"scenario", "camera: 3"},
+      {"scenario", "camera: {renderer: fast}"},
+      {"scenario", "camera: {renderer: 'device:-1'}"},
       {"scenario", "start: [1, 2]"},
       {"scenario", "system: sift_v0"},
       {"scenario", "system: {ratio: 0.8}"},
@@ -148,6 +152,9 @@ TEST_F(SchemaTest, TellsLimitsWordsDefaultsAndMeaning) {
   EXPECT_FALSE(exposure["description"].get<std::string>().empty());
   const Schema pairs = FileSchema("scenario")["properties"]["score"]["properties"]["rpe_pairs"];
   EXPECT_EQ(pairs["enum"], Schema({"all", "consecutive"}));
+  const Schema renderer = FileSchema("scenario")["properties"]["camera"]["properties"]["renderer"];
+  EXPECT_EQ(renderer["default"], "auto");
+  EXPECT_FALSE(renderer["description"].get<std::string>().empty());
   EXPECT_EQ(FileSchema("study")["$defs"]["axes"]["properties"]["camera.exposure_ms"]["items"]["$ref"],
             "#/$defs/scenario/properties/camera/properties/exposure_ms");
 }

@@ -104,6 +104,13 @@ TEST_F(RecordMatrixTest, WhatIsThereIsKeptAndMustBeTheSame) {
   const ProgramResult longer = Run("record matrix.yaml --out data -q --set duration_s=0.6");
   EXPECT_EQ(longer.exit_code, 2);
   EXPECT_THAT(longer.err, HasSubstr("was recorded from another scenario or with other options"));
+  const bool in_software =
+      ReadText(kept.string() + "-truth/sequence.json").find("\"software_renderer\": true") != std::string::npos;
+  const ProgramResult other =
+      Run(std::string("record matrix.yaml --out data -q --set camera.renderer=") + (in_software ? "gpu" : "software"));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr(in_software ? ", which camera.renderer = gpu rules out"
+                                               : ", which camera.renderer = software rules out"));
   const ProgramResult without = Run("record matrix.yaml --out data -q --format euroc");
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_EQ(Sums("data"), sums);

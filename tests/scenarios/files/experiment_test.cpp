@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
 
 #include "algorithms/core/errors.h"
 #include "models/code/yaml/yaml_reader.h"
@@ -93,14 +94,47 @@ TEST_F(ExperimentTest, SystemHandicapScoreAndFilmChangeNoFrames) {
   Read("base: base.yaml\naxes: {camera.exposure_ms: [3]}\n");
   const std::filesystem::path file = temporary_.path() / "base.yaml";
   const ResolvedScenario scenario = ReadScenario(file, {});
-  for (const char* change :
-       {"system=orb_vo", "system_seed=5", "handicap.drop_every=5", "score.min_coverage_ratio=0.1", "score.min_pairs=3",
-        "video.enabled=true", "video.height_px=240", "name=other", "description=other"}) {
+  for (const char* change : {"system=orb_vo", "system_seed=5", "handicap.drop_every=5", "score.min_coverage_ratio=0.1",
+                             "score.min_pairs=3", "video.enabled=true", "video.height_px=240", "name=other",
+                             "description=other", "camera.renderer=software", "camera.renderer=device:3"}) {
     EXPECT_EQ(FramesHashOf(ReadScenario(file, {change})), FramesHashOf(scenario)) << change;
   }
   for (const char* change : {"seed=5", "camera.exposure_ms=7", "gait.preset=brisk", "scene=hall", "duration_s=9"}) {
     EXPECT_NE(FramesHashOf(ReadScenario(file, {change})), FramesHashOf(scenario)) << change;
   }
+}
+
+/// Two renderers' runs lie in two folders, but are compared with the same baseline.
+TEST_F(ExperimentTest, TheRendererNamesARunYetNotWhatItsScoresAreComparedWith) {
+  const Experiment e = Read("base: base.yaml\naxes: {camera.renderer: [auto, software, device:1]}\n");
+  ASSERT_EQ(e.conditions.size(), 3U);
+  std::set<std::string> hashes, comparable;
+  for (const Condition& condition : e.conditions) {
+    hashes.insert(HashOf(condition.resolved));
+    comparable.insert(HashOf(condition.resolved.OnAnyRenderer()));
+  }
+  EXPECT_EQ(hashes.size(), 3U);
+  EXPECT_THAT(comparable, ElementsAre(HashOf(e.conditions[0].resolved)));
+  EXPECT_THAT(e.conditions[0].resolved.ToYaml(), testing::Not(HasSubstr("renderer")));
+  EXPECT_THAT(e.conditions[2].resolved.ToYaml(), HasSubstr("\n  renderer: device:1\n"));
+  std::ofstream(temporary_.path() / "again.yaml") << e.conditions[2].resolved.ToYaml();
+  EXPECT_EQ(HashOf(ReadScenario(temporary_.path() / "again.yaml", {})), HashOf(e.conditions[2].resolved));
+}
+
+/// A scene's file says where a picture lies, not what it shows.
+TEST_F(ExperimentTest, APictureThatASceneNamesIsHashedByWhatItShows) {
+  const auto paint = [&](int grey) {
+    cv::imwrite((temporary_.path() / "floor.png").string(), cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(grey)));
+  };
+  std::ofstream(temporary_.path() / "room.yaml") << "floor: {texture: {kind: image, file: floor.png}}\n";
+  std::ofstream(temporary_.path() / "walk.yaml") << "scene: ./room.yaml\n";
+  const auto hash = [&] { return FramesHashOf(ReadScenario(temporary_.path() / "walk.yaml", {})); };
+  paint(100);
+  const std::string first = hash();
+  paint(200);
+  EXPECT_NE(hash(), first);
+  paint(100);
+  EXPECT_EQ(hash(), first);
 }
 
 TEST_F(ExperimentTest, BadFilesAreToldApart) {

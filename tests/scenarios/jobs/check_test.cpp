@@ -144,6 +144,12 @@ TEST_F(CheckTest, AcceptsPassesCatchesAndRefuses) {
   EXPECT_EQ(newer.exit_code, 2);
   EXPECT_THAT(newer.err, HasSubstr("schema \"gaitcam.baseline.7\""));
 
+  // Who is to render is no part of what is compared.
+  Replace("exposure_ms: 4", "exposure_ms: 4, renderer: software", "walk.yaml");
+  const ProgramResult chosen = Check();
+  EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
+  Write("walk.yaml", kScenario);
+
   // A differing renderer is named and nothing more.
   std::string renderer = accepted;
   const size_t at = renderer.find("\"renderer\": \"") + 13;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "algorithms/core/errors.h"
+#include "sim/camera/egl_context.h"
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
 
@@ -115,6 +116,24 @@ TEST_F(ExecutorTest, TheCacheForgetsWhatWasUsedLongestAgoWhenItIsFull) {
   EXPECT_FALSE(SequenceCache(small).Get(Scenario("seed: 3\n"), true, never)->was_there);
   EXPECT_TRUE(fs::exists(first));
   EXPECT_FALSE(fs::exists(second));
+}
+
+TEST_F(ExecutorTest, HowARendererWasChosenIsNoReasonToRenderAgain) {
+  const auto never = [] { return false; };
+  const SequenceCache cache(options_.cache);
+  Scenario("");
+  const auto film = [&](const std::string& choice) {
+    return cache.Get(ReadScenario(temporary_.path() / "s.yaml", {"camera.renderer=" + choice}), true, never);
+  };
+  const std::optional<CachedSequence> first = film("software");
+  EXPECT_FALSE(first->was_there);
+  EXPECT_TRUE(first->renderer.is_software);
+  for (const EglDeviceReport& report : ListEglDevices()) {
+    if (report.opengl.Key() != first->renderer.Key()) continue;
+    EXPECT_TRUE(film("device:" + std::to_string(report.device.index))->was_there) << report.ToText();
+  }
+  film("auto");
+  EXPECT_EQ(CachedSequences(), RendererKey({}) == first->renderer.Key() ? 1 : 2);
 }
 
 TEST_F(ExecutorTest, ASequenceInUseIsNotRemoved) {
