@@ -74,6 +74,12 @@ MotionProfile MeasureMotion(const CameraModel& camera, const SeenPoints& points,
   return motion;
 }
 
+/// The most detail of key pictures: small images afford more, and need it, as edges fill more of them.
+int MostDetail(const CameraModel& camera) {
+  const double affordable = std::sqrt(kUsualKeyPixels / (double(camera.width_px) * camera.height_px));
+  return std::clamp(int(affordable), kLeastDetail, kMostDetail);
+}
+
 /// The least detail in which a picture gives each pixel so many samples.
 int DetailFor(int samples) { return int(std::ceil(std::sqrt(samples))); }
 
@@ -174,12 +180,6 @@ std::vector<SceneInstant> ExposingCamera::LookAround(const MotionRecord& record,
   std::vector<SceneInstant> instants;
   for (int64_t i = 0; i <= looks; ++i) instants.push_back(At(record, shutter.open_ns + duration * i / looks));
   return instants;
-}
-
-/// The most detail of key pictures: small images afford more, and need it, as edges fill more of them.
-int MostDetail(const CameraModel& camera) {
-  const double affordable = std::sqrt(kUsualKeyPixels / (double(camera.width_px) * camera.height_px));
-  return std::clamp(int(affordable), kLeastDetail, kMostDetail);
 }
 
 /// In how much detail key pictures are rendered; nothing if the light is integrated plainly, as it is where few
