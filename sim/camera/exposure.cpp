@@ -17,9 +17,8 @@ namespace {
 constexpr int kPointsAcross = 24;                 // points followed per image row to find the fastest
 constexpr int kRollingBands = 64;                 // bands of rows whose blur vectors share one interval
 constexpr int64_t kLookNs = 1000000;              // the motion is measured at least this often
-constexpr int kLeastDetail = 2, kMostDetail = 4;  // pixels of a key picture in the place of one, in a row
-constexpr double kUsualKeyPixels = 7e5;           // of a key picture, unless least detail takes more
-constexpr int kFewSubframes = 7;                  // fewer are rendered sooner than a key picture of 3 x 3
+constexpr int kLeastDetail = 2, kMostDetail = 3;  // pixels of a key picture in the place of one, in a row
+constexpr int kFewSubframes = 7;                  // fewer are rendered sooner than one key picture
 constexpr double kGuessedDepth_m = 0.7;           // of what a small robot sees, before anything was rendered
 constexpr double kMostKeyPixels = 6e6;            // of a key picture; beyond, its memory would outweigh its use
 constexpr GreyError kOcclusionBound{0.3, 4};      // what depth edges may add; the rest of the error is sampling's
@@ -72,12 +71,6 @@ MotionProfile MeasureMotion(const CameraModel& camera, const SeenPoints& points,
   }
   DescribeFlow(first, before, motion);
   return motion;
-}
-
-/// The most detail of key pictures: small images afford more, and need it, as edges fill more of them.
-int MostDetail(const CameraModel& camera) {
-  const double affordable = std::sqrt(kUsualKeyPixels / (double(camera.width_px) * camera.height_px));
-  return std::clamp(int(affordable), kLeastDetail, kMostDetail);
 }
 
 /// The least detail in which a picture gives each pixel so many samples.
@@ -157,7 +150,7 @@ void ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, s
   const CameraModel& pinhole = lens_->pinhole();
   const Pose& X_WC = latent.middle.X_WC;
   if (detail) {
-    const CameraModel largest = keys_.Raster(std::max(*detail, MostDetail(lens_->camera())));
+    const CameraModel largest = keys_.Raster(std::max(*detail, kMostDetail));
     renderer.Reserve(largest.width_px, largest.height_px);
     latent.middle_key = keys_.See(renderer, *data_, latent.middle, *detail, Eigen::Vector2d::Zero(), &latent.depth);
     const KeyPicture& key = *latent.middle_key;
@@ -194,11 +187,9 @@ std::optional<int> ExposingCamera::KeyDetail(const std::vector<SceneInstant>& lo
   const int stride = std::max(1, camera.width_px / 8);
   const SeenPoints points(lens_->rays(), depth, cv::Mat(), looks[looks.size() / 2], stride);
   const double travel_px = MeasureMotion(camera, points, looks).travel_px.back();
+  if (std::max(travel_px / exposure.max_step_px, double(options_.antialias)) < kFewSubframes) return std::nullopt;
   const int enough = int(std::lround(180 / std::sqrt(camera.width_px * std::max(travel_px, 1.0))));
-  const int detail = std::max(std::clamp(enough, kLeastDetail, MostDetail(camera)), DetailFor(options_.antialias));
-  // One picture of 3 x 3 pixels costs as much as these few renders and is no better; one of 4 x 4 is.
-  const bool few = std::max(travel_px / exposure.max_step_px, double(options_.antialias)) < kFewSubframes;
-  if (few && detail < kMostDetail) return std::nullopt;
+  const int detail = std::max(std::clamp(enough, kLeastDetail, kMostDetail), DetailFor(options_.antialias));
   if (double(detail) * detail * camera.width_px * camera.height_px > kMostKeyPixels) return std::nullopt;
   return detail;
 }
@@ -285,16 +276,12 @@ LatentFrame ExposingCamera::Film(Renderer& renderer, const MotionRecord& record,
   SeeMiddle(renderer, record, KeyDetail(looks), latent);
   MotionProfile motion;
   if (whole.close_ns > whole.open_ns) motion = MeasureMotion(lens_->camera(), *latent.points, looks);
-  ShutterPlan plan = PlanShutter(options_.exposure, stamp_ns, options_.antialias, motion);
-  const int keys = CountKeys(latent, looks, plan, motion);
-  if (keys > 0) {  // pictures of so many pixels for one of the image give as many samples for nearly nothing
-    const int samples = std::max(options_.antialias, latent.middle_key->finer * latent.middle_key->finer);
-    plan = PlanShutter(options_.exposure, stamp_ns, samples, motion);
-  }
+  const ShutterPlan plan = PlanShutter(options_.exposure, stamp_ns, options_.antialias, motion);
   for (const ShutterSlot& slot : plan) {
     latent.instants.push_back(At(record, slot.stamp_ns));
     truth.subframes.push_back({slot.stamp_ns, slot.weight, latent.instants.back().X_WC});
   }
+  const int keys = CountKeys(latent, looks, plan, motion);
   truth.renders = keys > 0 ? keys : int(plan.size());
   if (keys > 0) {
     SeeKeys(renderer, record, plan, keys, latent);

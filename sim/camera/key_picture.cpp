@@ -150,7 +150,9 @@ KeyPicture KeyCamera::See(Renderer& renderer, mjData& data, const SceneInstant& 
   key.nearness = PixelNearness(nearness, key.camera, ray_x_, ray_y_, stride_, lens_->rays().size());
   if (depth != nullptr) *depth = lens_->Depth(nearness, key.camera);
   if (renderer.SeesMovingBodies(at.X_WC, lens_->pinhole())) {
-    const cv::Mat bodies = lens_->WarpLabels(renderer.Bodies(data, at.X_WC, lens_->pinhole()));
+    // Of an even number of fine pixels none lies in a pixel's middle: the one right below it tells the depth.
+    const double beside = finer % 2 == 0 ? 0.5 / finer : 0;
+    const cv::Mat bodies = lens_->WarpLabels(renderer.Bodies(data, at.X_WC, lens_->pinhole(), {beside, beside}));
     cv::copyMakeBorder(bodies, key.bodies, 0, 0, 0, stride_ - bodies.cols, cv::BORDER_REPLICATE);
   }
   return key;

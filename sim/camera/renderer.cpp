@@ -272,11 +272,11 @@ cv::Mat Renderer::ReadNearness() {
   return nearness;
 }
 
-cv::Mat Renderer::Bodies(mjData& data, const Pose& X_WC, const CameraModel& camera) {
+cv::Mat Renderer::Bodies(mjData& data, const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px) {
   const mjtByte skybox = scene_.flags[mjRND_SKYBOX];
   scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = 1;
   scene_.flags[mjRND_SKYBOX] = 0;
-  Draw(data, X_WC, camera);
+  Draw(data, X_WC, camera, shift_px);
   scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = 0;
   scene_.flags[mjRND_SKYBOX] = skybox;
   cv::Mat bgrx, bodies(viewport_.height, viewport_.width, CV_32SC1);

@@ -64,8 +64,10 @@ class Renderer {
   /// Reciprocal depth of the picture just drawn, along the optical axis: CV_32FC1, 1/m, row 0 on top; 0 where nothing
   /// is.
   cv::Mat ReadNearness();
-  /// Which body each pixel centre sees, CV_32SC1, row 0 on top; 0 for the world and for nothing.
-  cv::Mat Bodies(mjData& data, const Pose& X_WC, const CameraModel& camera);
+  /// Which body each pixel sees, CV_32SC1, row 0 on top; 0 for the world and for nothing.
+  /// @param shift_px as Draw() takes it.
+  cv::Mat Bodies(mjData& data, const Pose& X_WC, const CameraModel& camera,
+                 const Eigen::Vector2d& shift_px = Eigen::Vector2d::Zero());
   /// Whether any geom of a moving body can be in the picture (by its bounding box, so perhaps hidden).
   bool SeesMovingBodies(const Pose& X_WC, const CameraModel& camera) const;
 

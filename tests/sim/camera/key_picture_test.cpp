@@ -95,6 +95,23 @@ TEST(KeyPicture, FollowsEveryBodyByItsOwnMotion) {
   EXPECT_LE(MedianDifference(sheared, truth, cv::Rect(6, 6, 60, 50)), 2);    // the wall, which does not
 }
 
+TEST(KeyPicture, BodiesAndNearnessAreOfTheSameSamples) {
+  // A ball that rides along, before a far wall: its outline meets pixels in all ways.
+  Stage stage(FlyerModel("<geom type='box' pos='3 0 0' size='0.001 5 5'/>", "", {},
+                         "<geom type='sphere' pos='0.02 0.01 0.3' size='0.06'/>"));
+  for (const int finer : {2, 3, 4}) {
+    const KeyPicture key = stage.See(stage.MoveTo(LookingAlongX({0, 0, 0})), finer);
+    int ball = 0;
+    for (int v = 0; v < 120; ++v) {
+      for (int u = 0; u < 160; ++u) {
+        EXPECT_EQ(key.bodies.at<int>(v, u) > 0, key.nearness.at<float>(v, u) > 1) << finer << ": " << u << ", " << v;
+        ball += key.bodies.at<int>(v, u) > 0;
+      }
+    }
+    EXPECT_GT(ball, 1000);
+  }
+}
+
 TEST(KeyPicture, RowsOfNoWeightStayDark) {
   Stage stage(SpeckledRoom());
   const SceneInstant here = stage.MoveTo(LookingAlongX({0, 0, 0.4}));
