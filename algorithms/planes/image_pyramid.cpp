@@ -1,6 +1,6 @@
 #include "algorithms/planes/image_pyramid.h"
 
-#include <cmath>
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 #include "algorithms/core/errors.h"
@@ -8,13 +8,22 @@
 namespace gaitcam {
 namespace {
 
+/// Central differences; beyond the border lies the border.
 PyramidLevel LevelOf(const cv::Mat& intensity) {
-  const cv::Mat kernel = (cv::Mat_<float>(1, 3) << -0.5F, 0, 0.5F);
-  cv::Mat du, dv;
-  cv::filter2D(intensity, du, CV_32F, kernel, {-1, -1}, 0, cv::BORDER_REPLICATE);
-  cv::filter2D(intensity, dv, CV_32F, kernel.t(), {-1, -1}, 0, cv::BORDER_REPLICATE);
   PyramidLevel level;
-  cv::merge(std::vector<cv::Mat>{intensity, du, dv}, level.samples);
+  level.samples.create(intensity.size(), CV_32FC3);
+  const int last_u = intensity.cols - 1, last_v = intensity.rows - 1;
+  for (int v = 0; v <= last_v; ++v) {
+    const float* const here = intensity.ptr<float>(v);
+    const float* const above = intensity.ptr<float>(std::max(v - 1, 0));
+    const float* const below = intensity.ptr<float>(std::min(v + 1, last_v));
+    float* to = level.samples.ptr<float>(v);
+    for (int u = 0; u <= last_u; ++u, to += 3) {
+      to[0] = here[u];
+      to[1] = 0.5F * (here[std::min(u + 1, last_u)] - here[std::max(u - 1, 0)]);
+      to[2] = 0.5F * (below[u] - above[u]);
+    }
+  }
   return level;
 }
 

@@ -53,7 +53,7 @@ Eigen::Matrix<double, 2, 3> PlaneResiduals::PixelJacobian(const Eigen::Vector3d&
   return J;
 }
 
-/// Mean along an exposure's path, with about one sample every second pixel.
+/// Mean along an exposure's path, with about one sample a pixel.
 std::optional<ImageSample> PlaneResiduals::Average(const PyramidLevel& level, const Eigen::Vector2d& p,
                                                    const Eigen::Vector2d& path) const {
   const double length = path.norm();
