@@ -13,4 +13,7 @@ inline std::filesystem::path TestData() {
   return named != nullptr ? named : GAITCAM_SOURCE_DIR;
 }
 
+/// Shipped robots and scenes.
+inline const std::filesystem::path kModels = TestData() / "models";
+
 }  // namespace gaitcam

@@ -10,12 +10,12 @@
 namespace gaitcam {
 namespace {
 
-struct Entry {
+struct EstimatorEntry {
   PsfEstimatorInfo info;
   std::function<std::unique_ptr<PsfEstimator>()> make;
 };
 
-std::vector<Entry> Entries() {
+std::vector<EstimatorEntry> Entries() {
   return {{{"spectral", "power spectrum against that of a line"}, [] { return std::make_unique<SpectralPsf>(); }},
           {{"whitening", "least derivatives and their auto-correlation (thesis, section 5.2.1)"},
            [] { return std::make_unique<WhiteningPsf>(); }}};
@@ -25,13 +25,13 @@ std::vector<Entry> Entries() {
 
 std::vector<PsfEstimatorInfo> ListPsfEstimators() {
   std::vector<PsfEstimatorInfo> infos;
-  for (const Entry& entry : Entries()) infos.push_back(entry.info);
+  for (const EstimatorEntry& entry : Entries()) infos.push_back(entry.info);
   return infos;
 }
 
 std::unique_ptr<PsfEstimator> MakePsfEstimator(const std::string& name) {
   std::vector<std::string> names;
-  for (const Entry& entry : Entries()) {
+  for (const EstimatorEntry& entry : Entries()) {
     if (entry.info.name == name) return entry.make();
     names.push_back(entry.info.name);
   }

@@ -10,13 +10,13 @@ namespace gaitcam {
 namespace {
 
 constexpr int kMinSide = 64;
-constexpr int kDirections = 60;  ///< Of the first search: every 3 degrees; even.
+constexpr int kSpectrumDirections = 60;  ///< Of the first search: every 3 degrees; even.
 /// The ripple of a short line is broad, and a structured image resembles it more easily: long lines are looked for
 /// apart from short ones, as many of these as of those.
 constexpr double kLongFrom = 12;
 constexpr size_t kCandidatesEach = 3;
 constexpr double kReach = 2.5;  ///< px, how far a refined extent may lie from the first one.
-constexpr float kFloorShare = 0.3f;
+constexpr float kSpectrumFloorShare = 0.3f;
 
 /// Directions whose fit is better than that of their neighbours, best first, at most `most`.
 void AddPeaks(const std::vector<LineFit>& fits, size_t most, std::vector<LineFit>& peaks) {
@@ -48,13 +48,13 @@ SpectralPsf::SpectralPsf(const SpectralOptions& options)
 
 std::vector<LineFit> SpectralPsf::Candidates(const LogSpectrum& log, const Eigen::VectorXf& counts) const {
   std::vector<float> floors = log.floors;
-  for (float& floor : floors) floor *= kFloorShare;
+  for (float& floor : floors) floor *= kSpectrumFloorShare;
   const LineSpectra::Templates templates =
       spectra_.MakeTemplates(counts, floors, options_.min_extent_px, options_.max_extent_px);
   const int all = int(templates.norms.size()), split = spectra_.Index(templates, kLongFrom);
   std::vector<LineFit> short_fits, long_fits;
-  for (int i = 0; i < kDirections; i += 2) {
-    const std::array<double, 2> directions = {M_PI * i / kDirections, M_PI * (i + 1) / kDirections};
+  for (int i = 0; i < kSpectrumDirections; i += 2) {
+    const std::array<double, 2> directions = {M_PI * i / kSpectrumDirections, M_PI * (i + 1) / kSpectrumDirections};
     const auto correlations = spectra_.Correlate(log, templates, directions);
     for (size_t n = 0; n < directions.size(); ++n) {
       for (auto [fits, begin, end] : {std::tuple(&short_fits, 0, split), std::tuple(&long_fits, split, all)}) {

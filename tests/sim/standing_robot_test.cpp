@@ -12,7 +12,7 @@
 namespace gaitcam {
 namespace {
 
-SimulationOptions Options(const Robot& robot) {
+SimulationOptions StandingOptions(const Robot& robot) {
   SimulationOptions options;
   options.gait = robot.gaits.at("normal");
   options.camera.width_px = 52;
@@ -34,7 +34,7 @@ class StandingRobotTest : public testing::Test {
   StandingRobotTest()
       : robot_(ReadShippedRobot("khr1hv_pan")),
         scene_(ReadScene("plain", TestData() / "models")),
-        options_(Options(robot_)) {}
+        options_(StandingOptions(robot_)) {}
 
   Robot robot_;
   Scene scene_;

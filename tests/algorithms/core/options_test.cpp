@@ -8,6 +8,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/field_list.h"
 #include "algorithms/core/option_reader.h"
+#include "tests/error_of.h"
 
 namespace gaitcam {
 namespace {
@@ -50,16 +51,6 @@ OptionValue Tree(const std::vector<std::pair<std::string, OptionValue>>& setting
   OptionValue tree = OptionValue::Map({}, {});
   for (const auto& [key, value] : settings) tree.Set(key, value);
   return tree;
-}
-
-template <class Act>
-std::string ErrorOf(Act act) {
-  try {
-    act();
-  } catch (const BadInput& e) {
-    return e.what();
-  }
-  return "";
 }
 
 TEST(EnumWords, WordAndValueAreEachOthersInverse) {

@@ -25,7 +25,9 @@ TEST(DescriptorDistances, AreThoseOfOpenCvForEveryLengthAndNumberOfRows) {
       for (size_t i = 0; i < chosen.size(); ++i) {
         const double expected = cv::norm(rows.row(3), rows.row(chosen[i]), cv::NORM_L2);
         EXPECT_NEAR(distances[i], expected, 1e-6 * (1 + expected)) << length;  // sums of floats
-        if (chosen[i] == 3) EXPECT_EQ(distances[i], 0);
+        if (chosen[i] == 3) {
+          EXPECT_EQ(distances[i], 0);
+        }
       }
     }
   }

@@ -9,12 +9,6 @@
 namespace gaitcam {
 namespace {
 
-cv::Mat Values(const cv::Mat& grey) {
-  cv::Mat values;
-  grey.convertTo(values, CV_32F, 1 / 255.0);
-  return values;
-}
-
 /// Part of an image away from its border, where margins do not matter.
 cv::Mat Middle(const cv::Mat& image, int border) {
   return image(cv::Rect(border, border, image.cols - 2 * border, image.rows - 2 * border));

@@ -8,13 +8,7 @@
 namespace gaitcam {
 namespace {
 
-constexpr int kMargin = 32;
-
-cv::Mat Values(const cv::Mat& grey) {
-  cv::Mat values;
-  grey.convertTo(values, CV_32F, 1 / 255.0);
-  return values;
-}
+constexpr int kWienerMargin = 32;
 
 double RootMeanSquare(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_L2) / std::sqrt(double(a.total()));
@@ -26,7 +20,7 @@ struct Pictures {
 
 Pictures Make(const LineBlur& blur) {
   const cv::Mat picture = RandomPicture({384, 304}, 5);
-  return {Values(BlurAndCrop(picture, {}, kMargin)), Values(BlurAndCrop(picture, blur, kMargin))};
+  return {Values(BlurAndCrop(picture, {}, kWienerMargin)), Values(BlurAndCrop(picture, blur, kWienerMargin))};
 }
 
 TEST(Wiener, RestoredIsNearerToTheSharpThanTheBlurred) {

@@ -72,14 +72,14 @@ TEST(InverseDepth, PointsOfUnknownDepthGiveTheTurnAndLeaveTheDepthOpen) {
   EXPECT_LT(RotationAngle(RefinePose(sightings, all, Pose(), 2).rotation, C.rotation), 1e-4);
 }
 
-struct Scene {
+struct BundleScene {
   BundleProblem truth, noisy;
 };
 
 /// Eight cameras on a line, the first two held; 60 points, every camera sees all.
-Scene MakeScene(double sigma, int wrong) {
+BundleScene MakeScene(double sigma, int wrong) {
   RandomStream random(3, "bundle");
-  Scene scene;
+  BundleScene scene;
   for (int k = 0; k < 8; ++k) {
     scene.truth.cameras.push_back(
         {Moved(Pose(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1 * k, 0, 0)), random, 0.02, 0.02), k < 2});
@@ -109,7 +109,7 @@ Scene MakeScene(double sigma, int wrong) {
   return scene;
 }
 
-double WorstPosition(const Scene& scene) {
+double WorstPosition(const BundleScene& scene) {
   double worst = 0;
   for (size_t k = 0; k < 8; ++k) {
     worst = std::max(worst, (scene.noisy.cameras[k].X_WC.translation - scene.truth.cameras[k].X_WC.translation).norm());
@@ -118,7 +118,7 @@ double WorstPosition(const Scene& scene) {
 }
 
 TEST(BundleAdjustment, ExactSightingsGiveTheExactScene) {
-  Scene scene = MakeScene(0, 0);
+  BundleScene scene = MakeScene(0, 0);
   BundleOptions options;
   options.max_iterations = 50;
   AdjustBundle(scene.noisy, options);
@@ -127,7 +127,7 @@ TEST(BundleAdjustment, ExactSightingsGiveTheExactScene) {
 }
 
 TEST(BundleAdjustment, NoiseAndSomeWrongSightingsAreBorne) {
-  Scene scene = MakeScene(0.002, 6);
+  BundleScene scene = MakeScene(0.002, 6);
   BundleOptions options;
   options.max_iterations = 50;
   const BundleResult result = AdjustBundle(scene.noisy, options);
@@ -144,7 +144,7 @@ TEST(BundleAdjustment, NoiseAndSomeWrongSightingsAreBorne) {
 }
 
 TEST(BundleAdjustment, FixedCamerasStayToTheBitAndRunsAreTheSame) {
-  Scene a = MakeScene(0.002, 3), b = MakeScene(0.002, 3);
+  BundleScene a = MakeScene(0.002, 3), b = MakeScene(0.002, 3);
   AdjustBundle(a.noisy, {});
   AdjustBundle(b.noisy, {});
   for (size_t k = 0; k < 8; ++k) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int64_t kPeriod_ns = 5'000'000;
 
-ImuCalibration Imu() {
+ImuCalibration TurnedImu() {
   ImuCalibration imu;
   imu.rate_hz = 200;
   imu.X_CI = Pose(RotX(0.4) * RotZ(-1.1), Eigen::Vector3d::Zero());
@@ -25,14 +25,14 @@ std::vector<ImuSample> Samples(const Eigen::Vector3d& rate_C, int first, int end
   for (int i = first; i < end; ++i) {
     ImuSample sample;
     sample.stamp_ns = i * kPeriod_ns;
-    sample.angular_rate = Imu().X_CI.rotation.conjugate() * rate_C;
+    sample.angular_rate = TurnedImu().X_CI.rotation.conjugate() * rate_C;
     samples.push_back(sample);
   }
   return samples;
 }
 
 TEST(GyroTurn, OfAConstantRateIsItsProductWithTime) {
-  GyroTurn gyro(Imu());
+  GyroTurn gyro(TurnedImu());
   const Eigen::Vector3d rate_C(0.5, -1, 0.2);
   gyro.Add(Samples(rate_C, 0, 200));
   const auto turn = gyro.Between(101'300'000, 700'000'000);  // ends lie within samples' periods
@@ -42,7 +42,7 @@ TEST(GyroTurn, OfAConstantRateIsItsProductWithTime) {
 
 /// Doubles of such nanoseconds are 256 ns apart.
 TEST(GyroTurn, TheClocksEpochMovesNoBit) {
-  GyroTurn early(Imu()), late(Imu());
+  GyroTurn early(TurnedImu()), late(TurnedImu());
   std::vector<ImuSample> samples = Samples({0.5, -1, 0.2}, 0, 200);
   early.Add(samples);
   for (ImuSample& sample : samples) sample.stamp_ns += kClockStart_ns;
@@ -54,7 +54,7 @@ TEST(GyroTurn, TheClocksEpochMovesNoBit) {
 }
 
 TEST(GyroTurn, ComposesRatesInTheirOrder) {
-  GyroTurn gyro(Imu());
+  GyroTurn gyro(TurnedImu());
   gyro.Add(Samples({2, 0, 0}, 0, 100));  // each covers half a period before and after its stamp
   gyro.Add(Samples({0, 3, 0}, 100, 200));
   const auto turn = gyro.Between(-2'500'000, 997'500'000);
@@ -64,7 +64,7 @@ TEST(GyroTurn, ComposesRatesInTheirOrder) {
 }
 
 TEST(GyroTurn, FillsSmallGapsAndRefusesLargeOnes) {
-  GyroTurn gyro(Imu());
+  GyroTurn gyro(TurnedImu());
   const Eigen::Vector3d rate_C(0, 0, 1);
   gyro.Add(Samples(rate_C, 0, 80));
   const auto turn = gyro.Between(0, 500'000'000);  // 80 % covered
@@ -78,7 +78,7 @@ TEST(GyroTurn, FillsSmallGapsAndRefusesLargeOnes) {
 }
 
 TEST(GyroTurn, LearnsABiasAsPreciselyAsItsMeasurementsAllow) {
-  GyroTurn gyro(Imu());
+  GyroTurn gyro(TurnedImu());
   const Eigen::Vector3d rate_C(0.1, 0.4, -0.2), bias_C(0.01, -0.015, 0.005);
   constexpr double kSigma_rad = 0.002, kTime_s = 0.5;
   constexpr int kMeasurements = 100;

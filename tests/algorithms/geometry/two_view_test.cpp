@@ -14,7 +14,7 @@
 namespace gaitcam {
 namespace {
 
-RansacOptions Options(double threshold_px) {
+RansacOptions TwoViewOptions(double threshold_px) {
   RansacOptions options;
   options.threshold = threshold_px / kFocalPx;
   return options;
@@ -23,7 +23,7 @@ RansacOptions Options(double threshold_px) {
 TEST(TwoView, ExactPairsGiveTheExactPose) {
   const ViewPairs views = MakeViewPairs(Scene::kDeep, SomeMotion(), 60, 0, 0, 1);
   RandomStream random(1, "ransac");
-  const TwoView result = EstimateTwoView(views.pairs, Options(1), random);
+  const TwoView result = EstimateTwoView(views.pairs, TwoViewOptions(1), random);
   EXPECT_EQ(result.inliers.size(), 60u);
   EXPECT_LT(RotationAngle(result.X_AB.rotation, views.X_AB.rotation), 1e-7);
   EXPECT_LT(DirectionError(result.X_AB, views.X_AB), 1e-6);
@@ -36,9 +36,9 @@ TEST(TwoView, OutliersAreFoundOutAndNoiseIsAveraged) {
   for (uint64_t seed = 0; seed < 20; ++seed) {
     const ViewPairs views = MakeViewPairs(Scene::kDeep, SomeMotion(), 150, 50, 0.5, seed);
     RandomStream random(seed, "ransac");
-    const TwoView result = EstimateTwoView(views.pairs, Options(2), random);
+    const TwoView result = EstimateTwoView(views.pairs, TwoViewOptions(2), random);
     const std::vector<PointPair> clean_pairs(views.pairs.begin(), views.pairs.begin() + 100);
-    const TwoView clean = EstimateTwoView(clean_pairs, Options(2), random);
+    const TwoView clean = EstimateTwoView(clean_pairs, TwoViewOptions(2), random);
     turn.push_back(RotationAngle(result.X_AB.rotation, views.X_AB.rotation));
     direction.push_back(DirectionError(result.X_AB, views.X_AB));
     clean_turn.push_back(RotationAngle(clean.X_AB.rotation, views.X_AB.rotation));
@@ -62,7 +62,7 @@ TEST(TwoView, ItsOwnErrorBarIsHonest) {
   for (uint64_t seed = 0; seed < 60; ++seed) {
     const ViewPairs views = MakeViewPairs(Scene::kDeep, SomeMotion(), 120, 0, 0.3, seed);
     RandomStream random(seed, "ransac");
-    const TwoView result = EstimateTwoView(views.pairs, Options(2), random);
+    const TwoView result = EstimateTwoView(views.pairs, TwoViewOptions(2), random);
     const double error = DirectionError(result.X_AB, views.X_AB);
     error2 += error * error / 60;
     sigma2 += result.direction_sigma * result.direction_sigma / 60;
@@ -76,7 +76,7 @@ TEST(TwoView, ItsOwnErrorBarIsHonest) {
 TEST(TwoView, ATurnOnTheSpotShowsNoParallax) {
   const ViewPairs views = MakeViewPairs(Scene::kDeep, Pose(RotY(0.15), Eigen::Vector3d::Zero()), 100, 0, 0.3, 3);
   RandomStream random(3, "ransac");
-  const TwoView result = EstimateTwoView(views.pairs, Options(2), random);
+  const TwoView result = EstimateTwoView(views.pairs, TwoViewOptions(2), random);
   EXPECT_LT(RotationAngle(result.X_AB.rotation, views.X_AB.rotation), 0.01);
   EXPECT_LT(result.parallax, 0.005);
   EXPECT_GT(result.direction_sigma, 0.1);
@@ -149,7 +149,7 @@ TEST_P(AgainstPeers, NoLessAccurateInTheMedian) {
     std::vector<double> R, t;
     int verdicts = 0, planes = 0, among = 0;
     for (const ViewPairs& views : scenes) {
-      RansacOptions options = Options(2);
+      RansacOptions options = TwoViewOptions(2);
       options.estimator = kind;
       RandomStream random(1, "peers");
       const TwoView found = EstimateTwoView(views.pairs, options, random);
@@ -183,11 +183,11 @@ INSTANTIATE_TEST_SUITE_P(, AgainstPeers,
 
 TEST(TwoView, WithoutEnoughToGoByThereIsNoPose) {
   RandomStream random(1, "ransac");
-  EXPECT_TRUE(EstimateTwoView({}, Options(1), random).inliers.empty());
-  EXPECT_TRUE(
-      EstimateTwoView(MakeViewPairs(Scene::kDeep, SomeMotion(), 7, 0, 0, 1).pairs, Options(1), random).inliers.empty());
+  EXPECT_TRUE(EstimateTwoView({}, TwoViewOptions(1), random).inliers.empty());
+  EXPECT_TRUE(EstimateTwoView(MakeViewPairs(Scene::kDeep, SomeMotion(), 7, 0, 0, 1).pairs, TwoViewOptions(1), random)
+                  .inliers.empty());
   const std::vector<PointPair> same(50, {{0.1, 0.2}, {0.1, 0.2}});
-  const TwoView result = EstimateTwoView(same, Options(1), random);
+  const TwoView result = EstimateTwoView(same, TwoViewOptions(1), random);
   EXPECT_TRUE(result.X_AB.Matrix().allFinite());
   EXPECT_TRUE(std::isfinite(result.parallax) && std::isfinite(result.direction_sigma));
 }
@@ -195,9 +195,9 @@ TEST(TwoView, WithoutEnoughToGoByThereIsNoPose) {
 TEST(TwoView, SameSeedSameBits) {
   const ViewPairs views = MakeViewPairs(Scene::kDeep, SomeMotion(), 100, 30, 0.5, 1);
   RandomStream a(7, "ransac"), b(7, "ransac");
-  const TwoView first = EstimateTwoView(views.pairs, Options(2), a);
+  const TwoView first = EstimateTwoView(views.pairs, TwoViewOptions(2), a);
   cv::theRNG().state = 99;
-  const TwoView second = EstimateTwoView(views.pairs, Options(2), b);
+  const TwoView second = EstimateTwoView(views.pairs, TwoViewOptions(2), b);
   EXPECT_EQ(first.X_AB.translation, second.X_AB.translation);
   EXPECT_EQ(first.X_AB.rotation.coeffs(), second.X_AB.rotation.coeffs());
   EXPECT_EQ(first.inliers, second.inliers);

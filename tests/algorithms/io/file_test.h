@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/error_of.h"
 #include "tests/temporary_folder.h"
 
 namespace gaitcam {
@@ -20,17 +21,5 @@ class FileTest : public ::testing::Test {
   const TemporaryFolder temporary_;
   const std::filesystem::path folder_ = temporary_.path();
 };
-
-// The message of the Exception that `act` throws.
-template <class Exception, class Act>
-std::string ErrorOf(Act act) {
-  try {
-    act();
-  } catch (const Exception& e) {
-    return e.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {};
-}
 
 }  // namespace gaitcam

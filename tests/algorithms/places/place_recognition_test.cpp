@@ -9,6 +9,7 @@
 #include "algorithms/places/fourier_signature.h"
 #include "algorithms/places/orb_words.h"
 #include "cylinder_world.h"
+#include "tests/error_of.h"
 
 namespace gaitcam {
 namespace {
@@ -139,16 +140,6 @@ TEST(BinaryWords, AreTheCentresThatDescriptorsWereDrawnAbout) {
     best = std::min(best, sum);
   }
   EXPECT_LE(best, 2);
-}
-
-template <class Function>
-std::string ErrorOf(Function function) {
-  try {
-    function();
-  } catch (const BadInput& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(PlaceIndex, SaysWhatIsWrongInOneLine) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "cylinder_world.h"
+#include "tests/error_of.h"
 
 namespace gaitcam {
 namespace {
@@ -16,7 +17,7 @@ using testing::HasSubstr;
 
 const Eigen::Vector3d kUp = UpOf(5);
 
-PanoramaLayout Layout() { return LayoutFor(Ers7Camera(), kUp, 720, 160); }
+PanoramaLayout Ers7Layout() { return LayoutFor(Ers7Camera(), kUp, 720, 160); }
 
 /// Level 4 of the 2-D Haar transform by its definition: pairs of columns, then of rows, four times over.
 struct Haar {
@@ -49,7 +50,7 @@ TEST(WaveletSignature, IsTheSignsOfTheHaarTransformOfTheSmoothedPanorama) {
     WaveletOptions options;
     options.prefilter = seed % 2 ? 1 : 0.5;  // the thesis's, and ours
     const double sigma = 16 * options.prefilter;
-    const cv::Mat panorama = CylinderWorld(seed).Panorama(Layout());
+    const cv::Mat panorama = CylinderWorld(seed).Panorama(Ers7Layout());
     const WaveletSignature signature = WaveletEncoder(160, options).OfPanorama(panorama);
     cv::Mat smooth, wide;
     panorama.convertTo(smooth, CV_64F);
@@ -69,14 +70,14 @@ TEST(WaveletSignature, IsTheSignsOfTheHaarTransformOfTheSmoothedPanorama) {
 }
 
 TEST(WaveletSignature, OfAnErs7PanoramaTakes169Bytes) {
-  const WaveletSignature signature = WaveletEncoder(160).OfPanorama(CylinderWorld(1).Panorama(Layout()));
+  const WaveletSignature signature = WaveletEncoder(160).OfPanorama(CylinderWorld(1).Panorama(Ers7Layout()));
   EXPECT_EQ(signature.columns(), 45);
   EXPECT_EQ(signature.rows(), 10);
   EXPECT_EQ(signature.bytes(), 169u);
 }
 
 TEST(WaveletSignature, DoesNotChangeWithGainAndOffsetOfTheLight) {
-  cv::Mat panorama = CylinderWorld(7).Panorama(Layout()) / 4 + 5, brighter = 2 * panorama + 30;
+  cv::Mat panorama = CylinderWorld(7).Panorama(Ers7Layout()) / 4 + 5, brighter = 2 * panorama + 30;
   const WaveletEncoder encoder(160);
   EXPECT_EQ(encoder.OfPanorama(panorama), encoder.OfPanorama(brighter));
   const cv::Mat view = panorama.colRange(100, 308), bright_view = brighter.colRange(100, 308);
@@ -89,7 +90,7 @@ TEST(WaveletSignature, OfABlankWallIsThatOfNoDetail) {
 }
 
 TEST(WaveletSignature, OfATurnedPanoramaIsTurned) {
-  const cv::Mat panorama = CylinderWorld(2).Panorama(Layout());
+  const cv::Mat panorama = CylinderWorld(2).Panorama(Ers7Layout());
   cv::Mat turned;
   cv::hconcat(panorama.colRange(160, 720), panorama.colRange(0, 160), turned);
   const WaveletSignature a = WaveletEncoder(160).OfPanorama(panorama), b = WaveletEncoder(160).OfPanorama(turned);
@@ -104,7 +105,7 @@ TEST(WaveletSignature, OfATurnedPanoramaIsTurned) {
 TEST(WaveletView, ShiftsMoveByTwoPixelsEach) {
   // Far from the borders, the picture without its first 16 - 2 = 14 pixels, and 2 more, has the same squares one column
   // on.
-  const cv::Mat panorama = CylinderWorld(9).Panorama(Layout());
+  const cv::Mat panorama = CylinderWorld(9).Panorama(Ers7Layout());
   const WaveletEncoder encoder(160);
   const WaveletView view = encoder.OfView(panorama.colRange(100, 500)),
                     later = encoder.OfView(panorama.colRange(114, 500));
@@ -114,16 +115,6 @@ TEST(WaveletView, ShiftsMoveByTwoPixelsEach) {
                 later.shifts[0].Bit(WaveletSignature::kVertical, row, column));
     }
   }
-}
-
-template <class Function>
-std::string ErrorOf(Function function) {
-  try {
-    function();
-  } catch (const BadInput& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(WaveletSignature, SaysWhatIsWrongInOneLine) {

@@ -7,7 +7,7 @@
 namespace gaitcam {
 namespace {
 
-FloorPatch Seen(const DrawnFloor& floor, const PlanarPose& below, double noise_grey = 0) {
+FloorPatch SeenFrom(const DrawnFloor& floor, const PlanarPose& below, double noise_grey = 0) {
   const Pose X_WC = CameraOver(below);
   const cv::Mat image = Draw(floor, {X_WC}, noise_grey, 3);
   const cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(255));
@@ -17,7 +17,7 @@ FloorPatch Seen(const DrawnFloor& floor, const PlanarPose& below, double noise_g
 double Rho(double e) { return 9 * std::log1p(e * e / 9); }
 
 TEST(FloorMatch, LikelihoodOfAResidualThatAllPointsHaveIsThatResiduals) {
-  const FloorPatch patch = Seen(DrawnFloor(1), {});
+  const FloorPatch patch = SeenFrom(DrawnFloor(1), {});
   const std::vector<KnownFloor> known = {{&patch, {}, 0}};
   for (const double off_grey : {0.0, 4.0, 8.0, 80.0}) {
     const FloorAgreement comparison = AgreementOf(known, patch, 0, {}, 1, -off_grey, 8);
@@ -29,7 +29,7 @@ TEST(FloorMatch, LikelihoodOfAResidualThatAllPointsHaveIsThatResiduals) {
 
 TEST(FloorMatch, GradientIsTheDerivativeOfTheLikelihood) {
   const DrawnFloor floor(2);
-  const FloorPatch earlier = Seen(floor, {}), patch = Seen(floor, {{0.02, 0.01}, 0.05}, 2);
+  const FloorPatch earlier = SeenFrom(floor, {}), patch = SeenFrom(floor, {{0.02, 0.01}, 0.05}, 2);
   const std::vector<KnownFloor> known = {{&earlier, {}, 0}};
   const PlanarPose pose{{0.022, 0.012}, 0.052};
   const auto cost = [&](const Eigen::Vector3d& moved, double gain, double offset) {
@@ -55,7 +55,7 @@ TEST(FloorMatch, FindsAShiftOfTwoCentimetresAndTwoDegreesToAMillimetre) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const DrawnFloor floor(seed);
     const PlanarPose truth{{0.3, 0.1}, 0.4};
-    const FloorPatch earlier = Seen(floor, {{0.25, 0.12}, 0.3}, 2), patch = Seen(floor, truth, 2);
+    const FloorPatch earlier = SeenFrom(floor, {{0.25, 0.12}, 0.3}, 2), patch = SeenFrom(floor, truth, 2);
     const PlanarPose expected = truth * PlanarPose{{0.015, -0.013}, 2 / 57.3};
     const std::optional<FloorMatch> match = MatchFloor({{&earlier, {{0.25, 0.12}, 0.3}, 0}}, patch, expected, {});
     ASSERT_TRUE(match);
@@ -71,7 +71,7 @@ TEST(FloorMatch, FindsAShiftOfTwoCentimetresAndTwoDegreesToAMillimetre) {
 }
 
 TEST(FloorMatch, OtherFloorDoesNotAgreeAndUnknownFloorSaysNothing) {
-  const FloorPatch earlier = Seen(DrawnFloor(1), {}), other = Seen(DrawnFloor(2), {}, 2);
+  const FloorPatch earlier = SeenFrom(DrawnFloor(1), {}), other = SeenFrom(DrawnFloor(2), {}, 2);
   const std::optional<FloorMatch> match = MatchFloor({{&earlier, {}, 0}}, other, {}, {});
   ASSERT_TRUE(match);
   EXPECT_LT(match->correlation, 0.8);  // FloorFilterOptions::min_correlation

@@ -6,6 +6,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/slam/settings.h"
+#include "tests/error_of.h"
 
 namespace gaitcam {
 namespace {
@@ -19,17 +20,6 @@ SystemSetup SetupWith(const SystemSettings& settings = {}) {
   setup.calibration.standing = StandingCamera{0.3, -Eigen::Vector3d::UnitY()};
   setup.settings = settings;
   return setup;
-}
-
-template <class Act>
-std::string ErrorOf(Act act) {
-  try {
-    act();
-  } catch (const BadInput& e) {
-    return e.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {};
 }
 
 TEST(Systems, AreListedByNameAndCanAllBeMadeWithTheirDefaults) {

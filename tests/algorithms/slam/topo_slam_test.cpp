@@ -30,9 +30,9 @@ Calibration Ers7() {
 bool WantsScan(const System& system) { return std::holds_alternative<gaitcam::Scan>(system.Command()); }
 
 /// Serves a system's commands; everything takes as many frames as it takes.
-class Walk {
+class WalkOfRooms {
  public:
-  explicit Walk(System& system, const std::vector<uint64_t>& rooms = {1, 2, 3, 4}) : system_(system) {
+  explicit WalkOfRooms(System& system, const std::vector<uint64_t>& rooms = {1, 2, 3, 4}) : system_(system) {
     for (const uint64_t seed : rooms) rooms_.emplace_back(seed);
   }
 
@@ -107,7 +107,7 @@ TEST_P(TopoSlamLoops, AddsANodeForEachRoomAndClosesTheLoopWhenItIsBack) {
   const auto system = Make({{"look_around", GetParam()}});
   EXPECT_TRUE(InfoOfSystem("topo_slam").acts);
   EXPECT_TRUE(WantsScan(*system));  // its first frame is at a new place
-  Walk walk(*system);
+  WalkOfRooms walk(*system);
   for (const size_t room : {0, 1, 2, 0, 3}) walk.Stay(room, 40);
   const FinalEstimate end = system->Finish();
   EXPECT_EQ(end.failure, "");
@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(, TopoSlamLoops, testing::Bool(),
 TEST(TopoSlam, RoomsThatLookTheSameAreToldApartByDeadReckoning) {
   for (const int steps : {5, 200}) {
     const auto system = Make({}, WithGyroscope());
-    Walk walk(*system, {1, 2, 1});
+    WalkOfRooms walk(*system, {1, 2, 1});
     walk.Stay(0, 30);
     for (const size_t room : {1, 2}) {
       walk.Step(steps);
@@ -168,7 +168,7 @@ TEST(TopoSlam, RoomsThatLookTheSameAreToldApartByDeadReckoning) {
 
 TEST(TopoSlam, WithoutAGyroscopeNoPlaceIsOutOfReach) {
   const auto system = Make();
-  Walk walk(*system, {1, 2, 1});
+  WalkOfRooms walk(*system, {1, 2, 1});
   walk.Stay(0, 30);
   for (const size_t room : {1, 2}) {
     walk.Step(200);
@@ -200,7 +200,7 @@ TEST(TopoSlam, AStandingRobotLearnsItsGyroscopesBias) {
 
 TEST(TopoSlam, IgnoresATurnBetweenTwoHalfScans) {
   const auto system = Make();
-  Walk walk(*system);
+  WalkOfRooms walk(*system);
   walk.ScanByTurning(0);
   EXPECT_FALSE(WantsScan(*system));
   EXPECT_EQ(GraphOf(*system).nodes.size(), 1u);
@@ -208,7 +208,7 @@ TEST(TopoSlam, IgnoresATurnBetweenTwoHalfScans) {
 
 TEST(TopoSlam, IsNotMisledByASingleOddView) {
   const auto system = Make();
-  Walk walk(*system);
+  WalkOfRooms walk(*system);
   walk.Stay(0, 30);
   walk.Stay(1, 5);  // one test or two, of the three in a row that it takes
   walk.Stay(0, 30);
@@ -220,7 +220,7 @@ TEST(TopoSlam, IsNotMisledByASingleOddView) {
 TEST(TopoSlam, AddsNoNodeWhereAScanShowsAKnownPlace) {
   // No view is similar enough: it scans again and again.
   const auto system = Make({{"loop.threshold", 1000.0}});
-  Walk walk(*system);
+  WalkOfRooms walk(*system);
   for (const size_t room : {0, 0, 1, 2, 0}) walk.Stay(room, 35);
   const PlaceGraph graph = GraphOf(*system);
   EXPECT_EQ(graph.nodes.size(), 3u);
@@ -232,7 +232,7 @@ TEST(TopoSlam, AddsNoNodeWhereAScanShowsAKnownPlace) {
 
 TEST(TopoSlam, SaysThatItNeedsABodyThatScans) {
   const auto system = Make({{"scan_patience_s", 2.0}});
-  Walk walk(*system);
+  WalkOfRooms walk(*system);
   for (int k = 0; k < 30; ++k) walk.Show(0, 0, std::nullopt);
   const FinalEstimate end = system->Finish();
   EXPECT_THAT(end.failure, HasSubstr("asked for a scan and none came"));
@@ -241,7 +241,7 @@ TEST(TopoSlam, SaysThatItNeedsABodyThatScans) {
 
 TEST(TopoSlam, SaysHowMuchOfAScanIsMissing) {
   const auto system = Make();
-  Walk walk(*system);
+  WalkOfRooms walk(*system);
   walk.Scan(0, 96);
   walk.Show(0, 0, std::nullopt);
   const std::string failure = system->Finish().failure;

@@ -188,7 +188,7 @@ TEST(People, SurfacesAreClosedAndAsTallAsThePerson) {
   EXPECT_NEAR(high, 1.6, 0.03);
 }
 
-std::string ErrorOf(const std::string& people) {
+std::string PeopleError(const std::string& people) {
   const TemporaryFolder folder;
   const std::string floor =
       "floor: {extent: [[-2, -1], [2, 1]], texture: {kind: carpet, size_m: [1, 1], px_per_m: 128}}\n";
@@ -202,18 +202,18 @@ std::string ErrorOf(const std::string& people) {
 }
 
 TEST(People, BadInputIsNamed) {
-  EXPECT_EQ(ErrorOf("[{path: [[0, 0]], speed_m_s: 0}, {path: [[0, 0], [1, 0]]}]"), "");
-  EXPECT_THAT(ErrorOf("[{path: [[0, 0]]}]"), HasSubstr("two points or more"));
-  EXPECT_THAT(ErrorOf("[{speed_m_s: 0}]"), HasSubstr("path: missing"));
-  EXPECT_THAT(ErrorOf("[{path: []}]"), HasSubstr("one point or more"));
-  EXPECT_THAT(ErrorOf("[{path: [[0, 0], [0, 0.01]]}]"), HasSubstr("people[0].path[1]"));
-  EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], speed_ms: 1}]"), HasSubstr("did you mean speed_m_s?"));
-  EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], speed_m_s: 0.05}]"), HasSubstr("expected 0, or 0.1 and more"));
-  EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], speed_m_s: -1}]"), HasSubstr("speed_m_s"));
-  EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], height_m: 5}]"), HasSubstr("height_m"));
-  EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, 0]], top_rgb: [2, 0, 0]}]"), HasSubstr("three numbers from 0 to 1"));
-  EXPECT_THAT(ErrorOf("[{path: [[0, 0], [1, .nan]]}]"), HasSubstr("finite"));
-  EXPECT_THAT(ErrorOf("{path: [[0, 0], [1, 0]]}"), HasSubstr("expected a list"));
+  EXPECT_EQ(PeopleError("[{path: [[0, 0]], speed_m_s: 0}, {path: [[0, 0], [1, 0]]}]"), "");
+  EXPECT_THAT(PeopleError("[{path: [[0, 0]]}]"), HasSubstr("two points or more"));
+  EXPECT_THAT(PeopleError("[{speed_m_s: 0}]"), HasSubstr("path: missing"));
+  EXPECT_THAT(PeopleError("[{path: []}]"), HasSubstr("one point or more"));
+  EXPECT_THAT(PeopleError("[{path: [[0, 0], [0, 0.01]]}]"), HasSubstr("people[0].path[1]"));
+  EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, 0]], speed_ms: 1}]"), HasSubstr("did you mean speed_m_s?"));
+  EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, 0]], speed_m_s: 0.05}]"), HasSubstr("expected 0, or 0.1 and more"));
+  EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, 0]], speed_m_s: -1}]"), HasSubstr("speed_m_s"));
+  EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, 0]], height_m: 5}]"), HasSubstr("height_m"));
+  EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, 0]], top_rgb: [2, 0, 0]}]"), HasSubstr("three numbers from 0 to 1"));
+  EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, .nan]]}]"), HasSubstr("finite"));
+  EXPECT_THAT(PeopleError("{path: [[0, 0], [1, 0]]}"), HasSubstr("expected a list"));
 }
 
 }  // namespace

@@ -14,8 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::filesystem::path kModels = TestData() / "models";
-
 /// A user's copy of khr1hv in a folder of its own, to be spoiled by one replacement.
 class UserRobot : public testing::Test {
  protected:

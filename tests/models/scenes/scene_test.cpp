@@ -15,8 +15,6 @@
 namespace gaitcam {
 namespace {
 
-const std::filesystem::path kModels = TestData() / "models";
-
 /// What a file with `text` describes; the pictures that it names lie in `folder`.
 Scene SceneOfText(const std::string& text, const TemporaryFolder& folder = {}) {
   return ReadScene(folder.Write("scene_test.yaml", text).string(), kModels);
@@ -35,7 +33,7 @@ const SceneBox& FindBox(const Scene& scene, const std::string& name) {
   throw std::runtime_error("no box " + name);
 }
 
-std::string ErrorOf(const std::string& text) {
+std::string SceneError(const std::string& text) {
   try {
     SceneOfText(text);
   } catch (const BadInput& e) {
@@ -340,35 +338,35 @@ TEST(Scene, TheFloorImageShowsThePrintsThatLieOnIt) {
 
 TEST(Scene, ErrorsPointIntoTheFile) {
   const std::string floor = "floor: {texture: {kind: carpet, px_per_m: 32}}\n";
-  EXPECT_EQ(ErrorOf(floor + "wals: []\n"), "scene_test.yaml:2:1: wals: unknown key; did you mean walls?");
-  EXPECT_EQ(ErrorOf("seed: 1\n"), "scene_test.yaml:1:1: texture: missing; a floor needs one");
-  EXPECT_EQ(ErrorOf("floor: {texture: carpt}\n"),
+  EXPECT_EQ(SceneError(floor + "wals: []\n"), "scene_test.yaml:2:1: wals: unknown key; did you mean walls?");
+  EXPECT_EQ(SceneError("seed: 1\n"), "scene_test.yaml:1:1: texture: missing; a floor needs one");
+  EXPECT_EQ(SceneError("floor: {texture: carpt}\n"),
             "scene_test.yaml:1:18: floor.texture: \"carpt\" is no texture; did you mean carpet?");
   EXPECT_THAT(
-      ErrorOf("floor: {texture: {kind: carpt}}\n"),
+      SceneError("floor: {texture: {kind: carpt}}\n"),
       testing::StartsWith("scene_test.yaml:1:25: floor.texture.kind: \"carpt\" is not permitted; expected one of"));
-  EXPECT_EQ(ErrorOf("floor: {extent: [[1, 0], [0, 1]], texture: carpet}\n"),
+  EXPECT_EQ(SceneError("floor: {extent: [[1, 0], [0, 1]], texture: carpet}\n"),
             "scene_test.yaml:1:17: floor.extent: expected [[min x, min y], [max x, max y]] with max above min");
-  EXPECT_EQ(ErrorOf(floor + "boxes:\n  - {size: [1, 0, 1]}\n"),
+  EXPECT_EQ(SceneError(floor + "boxes:\n  - {size: [1, 0, 1]}\n"),
             "scene_test.yaml:3:12: boxes[0].size: expected lengths above 0");
-  EXPECT_EQ(ErrorOf(floor + "boxes:\n  - {rgb: [1, 0, 2]}\n"),
+  EXPECT_EQ(SceneError(floor + "boxes:\n  - {rgb: [1, 0, 2]}\n"),
             "scene_test.yaml:3:11: boxes[0].rgb: expected three numbers from 0 to 1");
-  EXPECT_THAT(ErrorOf(floor + "furniture: [{kind: tabel}]\n"),
+  EXPECT_THAT(SceneError(floor + "furniture: [{kind: tabel}]\n"),
               testing::HasSubstr("scene_test.yaml:2:20: furniture[0].kind: \"tabel\" is not permitted"));
-  EXPECT_EQ(ErrorOf(floor + "posters: [{at: [0, 0, 1]}]\n"),
+  EXPECT_EQ(SceneError(floor + "posters: [{at: [0, 0, 1]}]\n"),
             "scene_test.yaml:2:11: posters[0]: texture: missing; a poster needs one");
-  EXPECT_EQ(ErrorOf(floor + "walls: [{points: [[0, 0]]}]\n"),
+  EXPECT_EQ(SceneError(floor + "walls: [{points: [[0, 0]]}]\n"),
             "scene_test.yaml:2:9: walls[0]: points: expected at least two corners");
-  EXPECT_EQ(ErrorOf(floor + "walls: [{points: [[0, 0], [0, 0]]}]\n"),
+  EXPECT_EQ(SceneError(floor + "walls: [{points: [[0, 0], [0, 0]]}]\n"),
             "scene_test.yaml:2:18: walls[0].points: two successive corners are the same");
-  EXPECT_THAT(ErrorOf(floor + "walls: [{points: [[0, 0], [1, 0]], posters: {count: 50}}]\n"),
+  EXPECT_THAT(SceneError(floor + "walls: [{points: [[0, 0], [1, 0]], posters: {count: 50}}]\n"),
               testing::HasSubstr("posters; expected fewer or smaller ones"));
-  EXPECT_EQ(ErrorOf(floor + "lights: [{direction: [0, 0, 0]}]\n"),
+  EXPECT_EQ(SceneError(floor + "lights: [{direction: [0, 0, 0]}]\n"),
             "scene_test.yaml:2:10: lights[0]: direction: expected a vector of length above 0");
-  EXPECT_THAT(ErrorOf(floor + "textures: {a: {kind: image, file: none.png}}\nboxes: [{texture: a}]\n"),
+  EXPECT_THAT(SceneError(floor + "textures: {a: {kind: image, file: none.png}}\nboxes: [{texture: a}]\n"),
               testing::AllOf(testing::StartsWith("scene_test.yaml:3:19: boxes[0].texture: file: "),
                              testing::HasSubstr("none.png: no such picture file")));
-  EXPECT_THAT(ErrorOf("floor: {texture: {kind: carpet, size_m: [100, 100], px_per_m: 1000}}\n"),
+  EXPECT_THAT(SceneError("floor: {texture: {kind: carpet, size_m: [100, 100], px_per_m: 1000}}\n"),
               testing::StartsWith("scene_test.yaml:1:18: floor.texture: px_per_m: 1000 gives 10000 million pixels"));
 }
 
@@ -377,7 +375,7 @@ TEST(Scene, MoreTexturesThanTheRendererCanDrawAreRefused) {
   for (int i = 0; i < 99; ++i) {
     text += "  - {texture: {kind: paint, size_m: [0.1, 0.1], px_per_m: 8, seed: " + std::to_string(i) + "}}\n";
   }
-  EXPECT_THAT(ErrorOf(text), testing::HasSubstr("one texture too many; MuJoCo draws at most 99"));
+  EXPECT_THAT(SceneError(text), testing::HasSubstr("one texture too many; MuJoCo draws at most 99"));
 }
 
 TEST(Scene, AnUnknownNameComesWithTheNearestOne) {

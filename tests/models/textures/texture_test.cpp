@@ -264,7 +264,7 @@ TEST(Texture, AUsersPictureIsShownAsItIs) {
   EXPECT_TRUE(SameBits(MakeTexture(CompleteTexture(options), folder.path()), picture));
 }
 
-std::string ErrorOf(const TextureOptions& options, const std::filesystem::path& folder = {}) {
+std::string TextureError(const TextureOptions& options, const std::filesystem::path& folder = {}) {
   try {
     MakeTexture(CompleteTexture(options), folder);
   } catch (const BadInput& e) {
@@ -276,25 +276,25 @@ std::string ErrorOf(const TextureOptions& options, const std::filesystem::path& 
 TEST(Texture, WhatCannotBeMadeIsNamed) {
   TextureOptions options;
   options.kind = "plank";
-  EXPECT_THAT(ErrorOf(options), testing::HasSubstr("kind: \"plank\" is not permitted"));
+  EXPECT_THAT(TextureError(options), testing::HasSubstr("kind: \"plank\" is not permitted"));
   options.kind = "planks";
   options.size_m = {1, -1};
-  EXPECT_THAT(ErrorOf(options), testing::HasSubstr("size_m: [1, -1] is not permitted"));
+  EXPECT_THAT(TextureError(options), testing::HasSubstr("size_m: [1, -1] is not permitted"));
   options.size_m = {100, 100};
   options.px_per_m = 1000;
-  EXPECT_THAT(ErrorOf(options), testing::HasSubstr("px_per_m: 1000 gives 10000 million pixels"));
+  EXPECT_THAT(TextureError(options), testing::HasSubstr("px_per_m: 1000 gives 10000 million pixels"));
   options = {};
   options.rgb = {0.5, 0.5, 1.5};
-  EXPECT_THAT(ErrorOf(options), testing::HasSubstr("rgb: expected three numbers from 0 to 1"));
+  EXPECT_THAT(TextureError(options), testing::HasSubstr("rgb: expected three numbers from 0 to 1"));
   options = {};
   options.kind = "image";
-  EXPECT_THAT(ErrorOf(options), testing::HasSubstr("file: missing"));
+  EXPECT_THAT(TextureError(options), testing::HasSubstr("file: missing"));
   options.file = "no_such_picture.png";
-  EXPECT_THAT(ErrorOf(options, "/somewhere"),
+  EXPECT_THAT(TextureError(options, "/somewhere"),
               testing::HasSubstr("/somewhere/no_such_picture.png: no such picture file"));
   const TemporaryFolder folder;
   options.file = folder.Write("texture_test.txt", "not a picture").string();
-  EXPECT_THAT(ErrorOf(options), testing::HasSubstr("not a picture that can be read"));
+  EXPECT_THAT(TextureError(options), testing::HasSubstr("not a picture that can be read"));
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ void VisitFields(Visitor& visit, Outer& o) {
   visit("points", o.points, Nested(), "");
 }
 
-std::string ErrorOf(const std::string& text, const std::vector<std::string>& sets = {}) {
+std::string YamlError(const std::string& text, const std::vector<std::string>& sets = {}) {
   try {
     OptionValue node = ParseYaml(text, "file.yaml");
     for (const std::string& set : sets) SetOption(node, set);
@@ -64,33 +64,33 @@ TEST(YamlFields, AbsentKeysKeepTheirDefaults) {
 }
 
 TEST(YamlFields, ErrorsNameFileLineColumnKeyAndWhatWouldBeRight) {
-  EXPECT_EQ(ErrorOf("count: 3\ninner:\n  periodd_s: 1"),
+  EXPECT_EQ(YamlError("count: 3\ninner:\n  periodd_s: 1"),
             "file.yaml:3:3: inner.periodd_s: unknown key; did you mean period_s?");
-  EXPECT_EQ(ErrorOf("inner: {period_s: 9}"),
+  EXPECT_EQ(YamlError("inner: {period_s: 9}"),
             "file.yaml:1:19: inner.period_s: 9 is not permitted; expected a number from 0.1 to 3");
-  EXPECT_EQ(ErrorOf("count: many"),
+  EXPECT_EQ(YamlError("count: many"),
             "file.yaml:1:8: count: \"many\" is not a whole number; expected a number from 1 to 10");
-  EXPECT_EQ(ErrorOf("count: .nan"),
+  EXPECT_EQ(YamlError("count: .nan"),
             "file.yaml:1:8: count: \".nan\" is not a whole number; expected a number from 1 to 10");
-  EXPECT_EQ(ErrorOf("inner: {period_s: .nan}"),
+  EXPECT_EQ(YamlError("inner: {period_s: .nan}"),
             "file.yaml:1:19: inner.period_s: nan is not permitted; expected a number from 0.1 to 3");
-  EXPECT_EQ(ErrorOf("inner: {mode: roling}"),
+  EXPECT_EQ(YamlError("inner: {mode: roling}"),
             "file.yaml:1:15: inner.mode: \"roling\" is not permitted; expected one of global, rolling (did you mean "
             "rolling?)");
-  EXPECT_EQ(ErrorOf("inner: {mode: 1}"),
+  EXPECT_EQ(YamlError("inner: {mode: 1}"),
             "file.yaml:1:15: inner.mode: \"1\" is not permitted; expected one of global, rolling");
-  EXPECT_EQ(ErrorOf("inner: {mode: [rolling]}"), "file.yaml:1:15: inner.mode: expected one of global, rolling");
-  EXPECT_EQ(ErrorOf("inner: {colour: blu}"),
+  EXPECT_EQ(YamlError("inner: {mode: [rolling]}"), "file.yaml:1:15: inner.mode: expected one of global, rolling");
+  EXPECT_EQ(YamlError("inner: {colour: blu}"),
             "file.yaml:1:17: inner.colour: \"blu\" is not permitted; expected one of red, blue (did you mean blue?)");
-  EXPECT_EQ(ErrorOf("points: [[0, 1], [2]]"), "file.yaml:1:18: points[1]: expected a list of 2 numbers");
-  EXPECT_EQ(ErrorOf("count: 3\ncount: 4"), "file.yaml:2:1: count: this key is given twice");
-  EXPECT_THAT(ErrorOf("count: [3\n"), testing::StartsWith("file.yaml:2:1: not valid YAML"));
-  EXPECT_THAT(ErrorOf("3"), testing::HasSubstr("expected a map"));
+  EXPECT_EQ(YamlError("points: [[0, 1], [2]]"), "file.yaml:1:18: points[1]: expected a list of 2 numbers");
+  EXPECT_EQ(YamlError("count: 3\ncount: 4"), "file.yaml:2:1: count: this key is given twice");
+  EXPECT_THAT(YamlError("count: [3\n"), testing::StartsWith("file.yaml:2:1: not valid YAML"));
+  EXPECT_THAT(YamlError("3"), testing::HasSubstr("expected a map"));
 }
 
 TEST(YamlFields, AKeyThatWasRenamedIsRefusedByItsNewName) {
-  EXPECT_EQ(ErrorOf("number: 3"), "file.yaml:1:1: number: this key is called count now");
-  EXPECT_EQ(ErrorOf("", {"number=3"}), "--set number=3: this key is called count now");
+  EXPECT_EQ(YamlError("number: 3"), "file.yaml:1:1: number: this key is called count now");
+  EXPECT_EQ(YamlError("", {"number=3"}), "--set number=3: this key is called count now");
 }
 
 TEST(YamlFields, NumbersReadAsYamlWritesThem) {
@@ -107,11 +107,11 @@ TEST(YamlFields, NumbersReadAsYamlWritesThem) {
   EXPECT_EQ(number("0x9"), 9);
   EXPECT_EQ(number("~"), 3);  // nothing: the default
   for (const char* text : {"7.5", "99999999999", "1_0", "nan", ".inf", "''", "7 8", "[7]", "true"})
-    EXPECT_NE(ErrorOf(std::string("count: ") + text), "") << text;
+    EXPECT_NE(YamlError(std::string("count: ") + text), "") << text;
 }
 
 TEST(YamlFields, AnAliasWithinItselfIsRefused) {
-  EXPECT_THAT(ErrorOf("points: &a [*a]"), testing::HasSubstr("nested too deeply"));
+  EXPECT_THAT(YamlError("points: &a [*a]"), testing::HasSubstr("nested too deeply"));
 }
 
 TEST(YamlFields, CommandLineValuesReplaceAndAreNamedInErrors) {
@@ -124,14 +124,14 @@ TEST(YamlFields, CommandLineValuesReplaceAndAreNamedInErrors) {
   EXPECT_EQ(outer.inner.period_s, 0.25);
   EXPECT_EQ(outer.count, 4);
   EXPECT_EQ(outer.points.size(), 1u);
-  EXPECT_EQ(ErrorOf("", {"inner.period_s=9"}),
+  EXPECT_EQ(YamlError("", {"inner.period_s=9"}),
             "--set inner.period_s=9: 9 is not permitted; expected a number from 0.1 to 3");
-  EXPECT_EQ(ErrorOf("", {"iner.period_s=1"}), "--set iner.period_s=1: iner: unknown key; did you mean inner?");
-  EXPECT_EQ(ErrorOf("", {"inner={period_s: 9}"}),
+  EXPECT_EQ(YamlError("", {"iner.period_s=1"}), "--set iner.period_s=1: iner: unknown key; did you mean inner?");
+  EXPECT_EQ(YamlError("", {"inner={period_s: 9}"}),
             "--set inner={period_s: 9}: inner.period_s: 9 is not permitted; expected a number from 0.1 to 3");
-  EXPECT_EQ(ErrorOf("", {"inner.period_s=9", "inner.period_s=1"}), "");
-  EXPECT_THAT(ErrorOf("", {"count"}), testing::HasSubstr("expected key=value"));
-  EXPECT_THAT(ErrorOf("count: 3", {"count.x=1"}), testing::HasSubstr("count is not a map"));
+  EXPECT_EQ(YamlError("", {"inner.period_s=9", "inner.period_s=1"}), "");
+  EXPECT_THAT(YamlError("", {"count"}), testing::HasSubstr("expected key=value"));
+  EXPECT_THAT(YamlError("count: 3", {"count.x=1"}), testing::HasSubstr("count is not a map"));
 }
 
 TEST(YamlFields, WhatIsWrittenReadsBackTheSame) {

@@ -100,6 +100,43 @@ TEST_F(LauncherTest, AnInstalledOneFindsProgramAndDataFromAnywhere) {
   EXPECT_THAT(test.err, HasSubstr("has no tests"));
 }
 
+/// What a test program says of two tests.
+constexpr const char* kTwoTests =
+    "#!/bin/sh\n"
+    "echo '[       OK ] Small.IsQuick (20 ms)'\n"
+    "echo '[  FAILED  ] Small/Each.IsSlow/0, where GetParam() = 3 (3400 ms)'\n"
+    "echo '[  FAILED  ] Small/Each.IsSlow/0, where GetParam() = 3'\n"
+    "exit 1\n";
+
+TEST_F(LauncherTest, TestsEndWithTheSlowestAndWithCtestsExitCode) {
+  MakeProject("int main() { return 0; }\n");
+  temporary_.Write("project/two.sh", kTwoTests);
+  std::ofstream(File("project/CMakeLists.txt"), std::ios::app)
+      << "enable_testing()\nadd_test(NAME room.Small COMMAND sh ${CMAKE_SOURCE_DIR}/two.sh)\n"
+         "add_test(NAME house.sleep COMMAND sleep 0.3)\n";
+  // A machine that has all that the real project's tests need.
+  fs::permissions(temporary_.Write("bin/dpkg-query", "#!/bin/sh\necho installed\n"), fs::perms(0755));
+  const std::string call = "PATH=$PWD/bin:$PATH project/gaitcam test";
+  const ProgramResult all = Shell(call);
+  EXPECT_EQ(all.exit_code, 8) << all.err;  // ctest's own, for tests that failed
+  EXPECT_THAT(all.out, testing::ContainsRegex("The slowest tests:\n +3\\.40 s  room\\.Small/Each\\.IsSlow/0\n"
+                                              " +0\\.[0-9]+ s  house\\.sleep\n +0\\.02 s  room\\.Small\\.IsQuick\n$"));
+  const ProgramResult one = Shell(call + " -R sleep");
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_THAT(one.out, testing::ContainsRegex("The slowest tests:\n +0\\.[0-9]+ s  house\\.sleep\n$"));
+}
+
+TEST_F(LauncherTest, InstalledTestsEndWithTheSlowestToo) {
+  fs::create_directories(File("prefix/bin"));
+  fs::copy_file(kLauncher, File("prefix/bin/gaitcam"));
+  fs::permissions(temporary_.Write("prefix/libexec/gaitcam/tests/small_test", kTwoTests), fs::perms(0755));
+  const ProgramResult test = Shell("prefix/bin/gaitcam test");
+  EXPECT_EQ(test.exit_code, 1);
+  EXPECT_THAT(test.err, HasSubstr("tests failed in small_test"));
+  EXPECT_THAT(test.out,
+              testing::EndsWith("The slowest tests:\n     3.40 s  Small/Each.IsSlow/0\n     0.02 s  Small.IsQuick\n"));
+}
+
 TEST(MachineWithoutEgl, IsToldInOneLineAndNothingIsWritten) {
   const TemporaryFolder temporary;
   const fs::path vendors = temporary.path() / "no-vendors";

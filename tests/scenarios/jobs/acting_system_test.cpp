@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Scans at its first frame, then takes a few steps.
-constexpr const char* kScenario = R"(
+constexpr const char* kActingScenario = R"(
 robot: khr1hv_pan
 scene: plain
 duration_s: 0
@@ -32,7 +32,7 @@ class ActingSystemTest : public testing::Test {
  protected:
   ActingSystemTest() {
     setenv("GAITCAM_DATA", TestData().c_str(), 1);
-    std::ofstream(temporary_.path() / "s.yaml") << kScenario;
+    std::ofstream(temporary_.path() / "s.yaml") << kActingScenario;
   }
   ResolvedScenario Scenario(const std::vector<std::string>& changes = {}) {
     return ReadScenario(temporary_.path() / "s.yaml", changes);

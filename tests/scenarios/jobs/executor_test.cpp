@@ -30,7 +30,8 @@ class ExecutorTest : public testing::Test {
 
   ResolvedScenario Scenario(const std::string& more) {
     std::ofstream(temporary_.path() / "s.yaml")
-        << "duration_s: 2\npath: {kind: circle, diameter_m: 4}\nscore: {min_coverage_ratio: 0, min_pairs: 3}\n"
+        << "scene: plain\nduration_s: 2\npath: {kind: circle, diameter_m: 4}\n"
+           "score: {min_coverage_ratio: 0, min_pairs: 3}\n"
            "camera: {exposure_ms: 0, rate_hz: 10, width_px: 160, height_px: 120}\nsystem: orb_vo\n"
         << more;
     return ReadScenario(temporary_.path() / "s.yaml", {});

@@ -24,7 +24,8 @@ class SlurmTest : public testing::Test {
   void SetUp() override {
     if (!cluster_->trouble().empty()) GTEST_SKIP() << cluster_->trouble();
     std::ofstream(Path("walk.yaml"))
-        << "duration_s: 2\npath: {kind: circle, diameter_m: 4}\nscore: {min_coverage_ratio: 0, min_pairs: 3}\n"
+        << "scene: plain\nduration_s: 2\npath: {kind: circle, diameter_m: 4}\n"
+           "score: {min_coverage_ratio: 0, min_pairs: 3}\n"
            "camera: {rate_hz: 10, width_px: 160, height_px: 120, exposure_ms: 0, fixed_subframes: 1}\n";
     std::ofstream(Path("study.yaml"))
         << "base: walk.yaml\naxes: {system: [orb_vo, akaze_vo]}\nseeds: 2\nmetrics: [coverage_ratio]\n";

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/scenarios/package/build_folder.h"
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
 
@@ -11,8 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-const fs::path kBuild = GAITCAM_BUILD_DIR;
 
 constexpr const char* kProject = R"(
 cmake_minimum_required(VERSION 3.25)

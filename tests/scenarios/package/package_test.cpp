@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "tests/scenarios/package/build_folder.h"
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
 
@@ -13,7 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-const fs::path kBuild = GAITCAM_BUILD_DIR;
 const std::string kNobody = "64999";  // a user without a name, whose files nobody else makes
 
 /// A short walk of the quick start: one second in few pixels.

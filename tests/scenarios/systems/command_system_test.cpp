@@ -62,11 +62,12 @@ TEST(FillPlaceholders, FillsEveryOneWhereverItStands) {
 
 class CommandSystemTest : public testing::Test {
  protected:
-  /// A run of one second of a small film, tracked by a shell script of this text.
+  /// A run of two seconds of a small film where no texture needs painting, tracked by a shell script of this text.
   ProgramResult RunWith(const std::string& script, const std::string& more = "") {
     std::ofstream(File("slam.sh")) << "#!/bin/sh\n" << script << "\n";
     fs::permissions(File("slam.sh"), fs::perms::owner_all);
-    std::ofstream(File("s.yaml")) << "duration_s: 2\n"
+    std::ofstream(File("s.yaml")) << "scene: plain\n"
+                                     "duration_s: 2\n"
                                      "path: {kind: circle, diameter_m: 4}\n"
                                      "camera: {exposure_ms: 4, rate_hz: 10, width_px: 160, height_px: 120}\n"
                                      "system: {command: [./slam.sh, \"{dataset}\", \"{output}\"], format: tum"
@@ -208,7 +209,8 @@ TEST_F(CommandSystemTest, ATrajectoryOfKeyFramesCoversTheirSpan) {
                                     "with open(words['--exp_folder'] + '/00000_KeyFrameTrajectory.csv', 'w') as out:\n"
                                     "  for n in range(3, 19, 3):\n"
                                     "    print(rows[n][0], n, n * n, 0, 0, 0, 0, 1, sep=',', file=out)\n";
-  std::ofstream(File("s.yaml")) << "duration_s: 2\n"
+  std::ofstream(File("s.yaml")) << "scene: plain\n"
+                                   "duration_s: 2\n"
                                    "path: {kind: circle, diameter_m: 4}\n"
                                    "camera: {exposure_ms: 4, rate_hz: 10, width_px: 160, height_px: 120}\n"
                                    "system: {command: [python3, slam.py], interface: vslamlab}\n"

@@ -15,13 +15,14 @@ namespace gaitcam {
 
 class ForeignRun : public testing::Test {
  protected:
-  /// Two seconds of a small film, tracked by `system` (YAML).
+  /// Two seconds of a small film where no texture needs painting, tracked by `system` (YAML).
   ProgramResult Run(const std::string& system, const std::string& out = "run") const {
     WriteScenario(system);
     return RunProgram("run s.yaml --out " + out, folder());
   }
   void WriteScenario(const std::string& system) const {
     temporary_.Write("s.yaml",
+                     "scene: plain\n"
                      "duration_s: 2\n"
                      "path: {kind: circle, diameter_m: 4}\n"
                      "camera: {exposure_ms: 4, rate_hz: 10, width_px: 160, height_px: 120}\n"

@@ -17,7 +17,7 @@
 namespace gaitcam {
 namespace {
 
-constexpr int64_t kStamp = 100000000;  // 0.1 s
+constexpr int64_t kFrameStamp = 100000000;  // 0.1 s
 
 ExposureOptions Noiseless() {
   ExposureOptions options;
@@ -38,15 +38,13 @@ struct Film {
   ExposedFrame Expose(const ExposureOptions& options, const Flight& flight, int antialias = 4,
                       const TruthOptions& truth = {}) {
     ExposingCamera exposing(model.get(), "camera.left", camera, {options, antialias, false, 0});
-    return exposing.Expose(renderer, RecordFlight(model.get(), flight, 0, 0.2), kStamp, truth,
+    return exposing.Expose(renderer, RecordFlight(model.get(), flight, 0, 0.2), kFrameStamp, truth,
                            RandomStream(1, "noise"));
   }
 };
 
 /// White to the left of y = 0, nothing (black) to the right; at x = 1, facing the origin.
 MjModelPtr HalfWhite() { return FlyerModel("<geom type='box' pos='1 2 0' size='0.00001 2 4' rgba='1 1 1 1'/>"); }
-
-CameraModel SmallCamera() { return CameraModel::FromHorizontalFov(160, 120, 60); }
 
 TEST(Exposure, LightIsAddedInLinearUnits) {
   Film film(HalfWhite(), SmallCamera());
@@ -90,10 +88,10 @@ TEST(Exposure, SubframesAreStampedWeighedAndPosedAsFlown) {
   const ExposedFrame frame = film.Expose(Noiseless(), flight);
   double weights = 0, mean_ns = 0;
   for (const Subframe& subframe : frame.truth.subframes) {
-    EXPECT_GE(subframe.stamp_ns, kStamp - 10000000);
-    EXPECT_LE(subframe.stamp_ns, kStamp + 10000000);
+    EXPECT_GE(subframe.stamp_ns, kFrameStamp - 10000000);
+    EXPECT_LE(subframe.stamp_ns, kFrameStamp + 10000000);
     weights += subframe.weight;
-    mean_ns += subframe.weight * double(subframe.stamp_ns - kStamp);
+    mean_ns += subframe.weight * double(subframe.stamp_ns - kFrameStamp);
     const Pose flown = flight(double(subframe.stamp_ns) * 1e-9);
     // Between physics steps the record runs along the chord; over 2 ms that is far below any pixel.
     EXPECT_NEAR((subframe.X_WC.translation - flown.translation).norm(), 0, 1e-6);
@@ -101,7 +99,7 @@ TEST(Exposure, SubframesAreStampedWeighedAndPosedAsFlown) {
   }
   EXPECT_NEAR(weights, 1, 1e-12);
   EXPECT_NEAR(mean_ns, 0, 1000);  // the frame's stamp is the centre of its light, to a microsecond
-  EXPECT_EQ(frame.image.stamp_ns, kStamp);
+  EXPECT_EQ(frame.image.stamp_ns, kFrameStamp);
   EXPECT_NEAR((frame.truth.X_WC_open.translation - flight(0.09).translation).norm(), 0, 1e-6);
   EXPECT_NEAR((frame.truth.X_WC.translation - flight(0.10).translation).norm(), 0, 1e-6);
   EXPECT_NEAR((frame.truth.X_WC_close.translation - flight(0.11).translation).norm(), 0, 1e-6);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "algorithms/core/camera.h"
 #include "algorithms/core/pose.h"
 #include "sim/camera/blur_field.h"
 #include "sim/camera/egl_context.h"
@@ -16,6 +17,9 @@
 #include "sim/world/world.h"
 
 namespace gaitcam {
+
+/// 160 x 120 px, 60 degrees wide, without distortion.
+inline CameraModel SmallCamera() { return CameraModel::FromHorizontalFov(160, 120, 60); }
 
 /// An image as the model's file of that name.
 inline std::pair<std::string, std::vector<unsigned char>> PngFile(const std::string& name, const cv::Mat& image) {

@@ -11,8 +11,6 @@
 namespace gaitcam {
 namespace {
 
-CameraModel SmallCamera() { return CameraModel::FromHorizontalFov(160, 120, 60); }
-
 /// A speckled room and, fixed to the camera, a speckled plate that fills a quarter of the view.
 MjModelPtr RoomWithPlate() {
   const std::string assets =
@@ -22,7 +20,7 @@ MjModelPtr RoomWithPlate() {
   return FlyerModel(wall, assets, {PngFile("speckle.png", SpeckleTexture(256, 3))}, plate);
 }
 
-struct Stage {
+struct SpeckledStage {
   EglContext gl;
   MjModelPtr model;
   MjDataPtr data;
@@ -30,7 +28,7 @@ struct Stage {
   Lens lens{SmallCamera()};
   KeyCamera camera{lens};
 
-  explicit Stage(MjModelPtr m) : model(std::move(m)), data(mj_makeData(model.get())), renderer(model.get()) {}
+  explicit SpeckledStage(MjModelPtr m) : model(std::move(m)), data(mj_makeData(model.get())), renderer(model.get()) {}
 
   SceneInstant MoveTo(const Pose& X_WC) {
     const SceneInstant there = PlaceFlyer(model.get(), data.get(), X_WC);
@@ -70,7 +68,7 @@ double MedianDifference(const cv::Mat& a, const cv::Mat& b, const cv::Rect& wher
 // What is computed from the key of one pose is what a key of the other shows of its own instant. Rendering and
 // interpolation differ by 2 levels in the median on these speckles, whose contrast between neighbours is 25.
 TEST(KeyPicture, ShowsWhatIsSeenFromAnotherPose) {
-  Stage stage(SpeckledRoom());
+  SpeckledStage stage(SpeckledRoom());
   const Pose here = LookingAlongX({0, 0, 0.4});
   for (const Pose& step : {Pose(RotY(0.03), {0, 0, 0}), Pose(RotZ(0.05), {0, 0, 0}),
                            Pose(RotX(0.02), Eigen::Vector3d(0.01, 0.005, 0.02))}) {
@@ -84,7 +82,7 @@ TEST(KeyPicture, ShowsWhatIsSeenFromAnotherPose) {
 }
 
 TEST(KeyPicture, FollowsEveryBodyByItsOwnMotion) {
-  Stage stage(RoomWithPlate());
+  SpeckledStage stage(RoomWithPlate());
   const Pose here = LookingAlongX({0, 0, 0});
   const SceneInstant there = stage.MoveTo(here * Pose(RotY(0.04), {0, 0, 0}));
   const cv::Mat truth = stage.Shear(stage.See(there, 3), there);
@@ -113,7 +111,7 @@ TEST(KeyPicture, BodiesAndNearnessAreOfTheSameSamples) {
 }
 
 TEST(KeyPicture, RowsOfNoWeightStayDark) {
-  Stage stage(SpeckledRoom());
+  SpeckledStage stage(SpeckledRoom());
   const SceneInstant here = stage.MoveTo(LookingAlongX({0, 0, 0.4}));
   const KeyPicture key = stage.See(here, 2);
   std::vector<float> weights(120, 0.f);

@@ -8,10 +8,8 @@
 namespace gaitcam {
 namespace {
 
-CameraModel SmallCamera() { return CameraModel::FromHorizontalFov(160, 120, 60); }
-
 /// A white plate one metre away before a black wall at three.
-struct Stage {
+struct PlateStage {
   EglContext gl;
   MjModelPtr model = FlyerModel(
       "<geom type='box' pos='1 0 0' size='0.001 0.2 0.2' rgba='1 1 1 1'/>"
@@ -34,7 +32,7 @@ struct Stage {
 };
 
 TEST(OcclusionError, IsNothingWhileTheCameraOnlyTurns) {
-  Stage stage;
+  PlateStage stage;
   const Pose X = LookingAlongX({0, 0, 0});
   const GreyError error = stage.Error(X * Pose(RotY(-0.05), {0, 0, 0}), X * Pose(RotY(0.05), {0, 0, 0}));
   EXPECT_LE(error.rms, 1e-4);  // single precision of the depths
@@ -42,7 +40,7 @@ TEST(OcclusionError, IsNothingWhileTheCameraOnlyTurns) {
 }
 
 TEST(OcclusionError, GrowsWithTheStripThatIsUncovered) {
-  Stage stage;
+  PlateStage stage;
   const auto rms = [&](double aside_m) {
     return stage.Error(LookingAlongX({0, -aside_m, 0}), LookingAlongX({0, aside_m, 0})).rms;
   };
@@ -55,7 +53,7 @@ TEST(OcclusionError, GrowsWithTheStripThatIsUncovered) {
 }
 
 TEST(OcclusionError, KnowsHowWrongAStripIs) {
-  Stage stage;
+  PlateStage stage;
   // The plate moves by 2 * 0.0018 * 138.6 = 0.5 px, the wall by a third of it: from the middle to either end they move
   // 0.167 px against each other, on average over the exposure 0.083 px, times 255 levels.
   const GreyError error = stage.Error(LookingAlongX({0, -0.0018, 0}), LookingAlongX({0, 0.0018, 0}));

@@ -20,8 +20,6 @@
 namespace gaitcam {
 namespace {
 
-const std::filesystem::path kModels = TestData() / "models";
-
 /// Looks level along `yaw` (0: along +x), then down by `pitch`, rad.
 Pose Look(const Eigen::Vector3d& position, double yaw, double pitch) {
   Eigen::Matrix3d R_forward;  // columns: camera x right = -y, y down = -z, z forward = +x

@@ -20,11 +20,11 @@ SensorOptions Perfect(double rate_hz) {
 }
 
 /// Stretched legs on the floor.
-World Standing() { return World(TestRobot(), Scene(), PhysicsOptions(), {}, 1); }
+World TestRobotStanding() { return World(TestRobot(), Scene(), PhysicsOptions(), {}, 1); }
 
 /// In the air, turning and with all joints moving.
 World Tumbling() {
-  World world = Standing();
+  World world = TestRobotStanding();
   const Robot& robot = world.robot();
   std::vector<double> joints(robot.joints.size(), 0.0);
   for (size_t i = 0; i < joints.size(); ++i) joints[i] = 0.2 * std::sin(double(i));
@@ -50,7 +50,7 @@ TEST(WindowMean, AveragesOverWindowsCentredOnMultiplesOfThePeriod) {
 }
 
 TEST(Sensors, AtRestAPerfectImuReadsGravityAlone) {
-  World world = Standing();
+  World world = TestRobotStanding();
   SensorSuite sensors(world, Perfect(250), 1);
   EXPECT_LT((sensors.imu().specific_force - Eigen::Vector3d(0, 0, 9.81)).norm(), 1e-12);
   while (world.stamp_ns() < 1000000000) world.Step(), sensors.Step(world);
@@ -61,7 +61,7 @@ TEST(Sensors, AtRestAPerfectImuReadsGravityAlone) {
 
 TEST(Sensors, StampsFollowTheRateAndArriveSoon) {
   for (double rate : {500.0, 250.0, 200.0, 130.0}) {
-    World world = Standing();
+    World world = TestRobotStanding();
     SensorSuite sensors(world, Perfect(rate), 1);
     std::vector<ImuSample> samples;
     for (int i = 0; i < 500; ++i) {
@@ -145,7 +145,7 @@ TEST(Sensors, PerfectAccelerometerAddsUpToTheTrueVelocity) {
 }
 
 TEST(Sensors, NoiseIsThatOfTheDataSheet) {
-  World world = Standing();
+  World world = TestRobotStanding();
   while (world.stamp_ns() < 1000000000) world.Step();  // settled
   SensorOptions options;
   options.gyro_bias = options.accel_bias = 0;
@@ -180,7 +180,7 @@ TEST(Sensors, BiasWalksAsStated) {
   options.gyro_noise_density = options.accel_noise_density = 0;
   options.gyro_bias = options.accel_bias = 0;
   options.gyro_random_walk = 0.1;
-  World world = Standing();
+  World world = TestRobotStanding();
   while (world.stamp_ns() < 1000000000) world.Step();
   std::vector<SensorSuite> suites;
   for (uint64_t seed = 0; seed < 100; ++seed) suites.emplace_back(world, options, seed);
@@ -196,7 +196,7 @@ TEST(Sensors, BiasWalksAsStated) {
 }
 
 TEST(Sensors, SameSeedSameReadings) {
-  World world = Standing();
+  World world = TestRobotStanding();
   SensorSuite a(world, SensorOptions(), 4), b(world, SensorOptions(), 4), c(world, SensorOptions(), 5);
   for (int i = 0; i < 20; ++i) world.Step(), a.Step(world), b.Step(world), c.Step(world);
   EXPECT_EQ(a.imu().angular_rate, b.imu().angular_rate);
@@ -205,7 +205,7 @@ TEST(Sensors, SameSeedSameReadings) {
 }
 
 TEST(Sensors, EncodersRoundAndFootSwitchesClose) {
-  World world = Standing();
+  World world = TestRobotStanding();
   for (int i = 0; i < 100; ++i) world.Step();
   SensorOptions options;
   options.encoder_noise = 0;
@@ -244,7 +244,7 @@ TEST(Sensors, CalibrationLeadsFromImuToCamera) {
 }
 
 TEST(Sensors, RateBeyondThePhysicsIsRefused) {
-  World world = Standing();
+  World world = TestRobotStanding();
   EXPECT_NO_THROW(SensorSuite(world, Perfect(500), 1));
   EXPECT_THROW(SensorSuite(world, Perfect(501), 1), BadOption);
 }

@@ -110,8 +110,6 @@ Walked Walk(const Robot& robot, const SimulationOptions& options, const std::set
   return walked;
 }
 
-double Worst(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
-
 /// The robot saw the whole circle sharply, and knew where it looked.
 void ExpectGoodScan(const ScanLog& scan) {
   EXPECT_EQ(scan.seen_deg.size(), 360U);

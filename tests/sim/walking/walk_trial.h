@@ -2,14 +2,19 @@
 
 #pragma once
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "scenarios/code/experiments/walk_trial.h"
 #include "tests/data_folder.h"
 
 namespace gaitcam {
 
-inline Robot ReadShippedRobot(const std::string& name) { return ReadRobot(name, TestData() / "models"); }
+inline Robot ReadShippedRobot(const std::string& name) { return ReadRobot(name, kModels); }
+
+/// @param values at least one.
+inline double Worst(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
 
 struct ShippedWalkOptions : WalkTrialOptions {
   std::string robot = "khr1hv";

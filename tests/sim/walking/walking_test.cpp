@@ -20,8 +20,6 @@ ShippedWalkOptions Trial(const std::string& robot, const std::string& preset) {
   return options;
 }
 
-double Worst(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
-
 class EveryHumanoid : public testing::TestWithParam<const char*> {};
 
 TEST_P(EveryHumanoid, WalksStraightToItsGoalAndStands) {

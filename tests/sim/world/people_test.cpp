@@ -17,7 +17,6 @@
 namespace gaitcam {
 namespace {
 
-const std::filesystem::path kModels = TestData() / "models";
 constexpr double kSpeed = 1.2;
 
 /// Crosses the camera's view from right to left, 1.5 m ahead of the origin, and is straight ahead after about 2 s.
@@ -39,7 +38,7 @@ World Standing(const Scene& scene) {
   return World(robot, scene, PhysicsOptions(), {{"camera.left", Pose()}}, 1);
 }
 
-void Simulate(World& world, double until_s) {
+void SimulateUntil(World& world, double until_s) {
   while (world.stamp_ns() < std::llround(until_s * 1e9)) world.Step();
 }
 
@@ -61,7 +60,7 @@ TEST(People, TheRobotMovesAsIfNobodyWereThere) {
       among(robot, busy, physics, {{"camera.left", Pose()}}, 4);
   for (World* world : {&alone, &among}) {
     world->SetState(Pose(RotY(0.3), {0, 0, 0.4}), std::vector<double>(robot.joints.size(), 0.1));
-    Simulate(*world, 1);
+    SimulateUntil(*world, 1);
   }
   ASSERT_EQ(alone.model()->nq, among.model()->nq);
   ASSERT_EQ(alone.model()->nv, among.model()->nv);
@@ -75,7 +74,7 @@ TEST(People, TheRobotMovesAsIfNobodyWereThere) {
 TEST(People, AreWhereTheyWalkAtAnyInstantOfTheRecord) {
   const Scene scene = With({Crossing()});
   World world = Standing(scene);
-  Simulate(world, 1);
+  SimulateUntil(world, 1);
   const PersonWalk walk(scene.people[0]);
   const MjDataPtr scratch(mj_makeData(world.model()));
   const int shoe = mj_name2id(world.model(), mjOBJ_BODY, "person0.left_shoe");
@@ -98,7 +97,7 @@ struct Shot {
 
   explicit Shot(const Scene& scene, double stamp_s = 2.3) {
     World world = Standing(scene);
-    Simulate(world, stamp_s + exposure_s);
+    SimulateUntil(world, stamp_s + exposure_s);
     EglContext gl;
     Renderer renderer(world.model(), {}, world.pictures());
     FilmOptions film;

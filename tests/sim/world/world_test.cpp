@@ -14,8 +14,6 @@
 namespace gaitcam {
 namespace {
 
-const std::filesystem::path kModels = TestData() / "models";
-
 Robot Shipped(const std::string& name = "khr1hv") { return ReadRobot(name, kModels); }
 
 /// Knees bent by 0.96 rad, soles level.
