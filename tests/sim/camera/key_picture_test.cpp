@@ -95,8 +95,8 @@ TEST(KeyPicture, FollowsEveryBodyByItsOwnMotion) {
 
 TEST(KeyPicture, BodiesAndNearnessAreOfTheSameSamples) {
   // A ball that rides along, before a far wall: its outline meets pixels in all ways.
-  Stage stage(FlyerModel("<geom type='box' pos='3 0 0' size='0.001 5 5'/>", "", {},
-                         "<geom type='sphere' pos='0.02 0.01 0.3' size='0.06'/>"));
+  SpeckledStage stage(FlyerModel("<geom type='box' pos='3 0 0' size='0.001 5 5'/>", "", {},
+                                 "<geom type='sphere' pos='0.02 0.01 0.3' size='0.06'/>"));
   for (const int finer : {2, 3, 4}) {
     const KeyPicture key = stage.See(stage.MoveTo(LookingAlongX({0, 0, 0})), finer);
     int ball = 0;
