@@ -137,6 +137,20 @@ TEST_F(LauncherTest, InstalledTestsEndWithTheSlowestToo) {
               testing::EndsWith("The slowest tests:\n     3.40 s  Small/Each.IsSlow/0\n     0.02 s  Small.IsQuick\n"));
 }
 
+TEST_F(LauncherTest, OfThousandsOfTestsTwentyAreListedAndTheExitCodeIsKept) {
+  fs::create_directories(File("prefix/bin"));
+  fs::copy_file(kLauncher, File("prefix/bin/gaitcam"));
+  const std::string tests =
+      "#!/bin/sh\nfor i in $(seq 3000); do echo \"[       OK ] Suite.WithALongName$i ($i ms)\"; done\n";
+  fs::permissions(temporary_.Write("prefix/libexec/gaitcam/tests/large_test", tests), fs::perms(0755));
+  const ProgramResult test = Shell("prefix/bin/gaitcam test");
+  EXPECT_EQ(test.exit_code, 0) << test.err;
+  const size_t list = test.out.find("The slowest tests:\n");
+  ASSERT_NE(list, std::string::npos);
+  EXPECT_EQ(Lines(test.out.substr(list)), 21);
+  EXPECT_THAT(test.out.substr(list), HasSubstr(":\n     3.00 s  Suite.WithALongName3000\n"));
+}
+
 TEST(MachineWithoutEgl, IsToldInOneLineAndNothingIsWritten) {
   const TemporaryFolder temporary;
   const fs::path vendors = temporary.path() / "no-vendors";
