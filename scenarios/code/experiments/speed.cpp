@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 
 struct SpeedOptions {
   InputPaths scenarios;
+  std::vector<std::string> only;
   int frames = 8;
   double longest_s = 20;
   int people = 70;
@@ -31,6 +32,7 @@ struct SpeedOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, SpeedOptions& o) {
   visit("scenarios", o.scenarios, Nested(), "whose walks are filmed (default: all shipped ones)");
+  visit("only", o.only, Nested(), "a section of the table: light, crowd, tracking or quick_start (default: all)");
   visit("frames", o.frames, Between(1, 1000), "of each walk, those with the longest blur");
   visit("longest_s", o.longest_s, Between(1, 3600), "only so much of a walk is looked at");
   visit("people", o.people, Between(1, 200), "how many stand in the crowd");
@@ -80,18 +82,41 @@ class Speed : public ExperimentOf<SpeedOptions> {
  public:
   void Run(const ExperimentSetup& setup) override {
     command_ = setup.command;
+    CheckSections();
+    if (Wants("light")) MeasureWalks(setup);
+    if (Wants("crowd")) MeasureCrowd(setup);
+    if (Wants("tracking")) MeasureTracking(setup);
+    if (Wants("quick_start") && !options_.before.empty()) CompareQuickStarts(setup);
+  }
+
+  std::string Table() const override {
+    return Introduction() + LightTable() + CrowdTable() + tracking_ + QuickStartTable();
+  }
+
+ private:
+  bool Wants(const std::string& section) const {
+    return options_.only.empty() ||
+           std::find(options_.only.begin(), options_.only.end(), section) != options_.only.end();
+  }
+
+  /// Before anything is measured.
+  void CheckSections() const {
+    const Words sections = OneOf({"light", "crowd", "tracking", "quick_start"});
+    for (const std::string& section : options_.only) {
+      if (!sections.Contains(section)) throw BadOption("--only: " + sections.Refusal(section));
+    }
+    if (!options_.only.empty() && Wants("quick_start") && options_.before.empty()) {
+      throw BadOption("--only quick_start: expected --before PROGRAM, whose quick start is timed in turn");
+    }
+  }
+
+  void MeasureWalks(const ExperimentSetup& setup) {
     if (options_.scenarios.paths.empty()) options_.scenarios.paths = ShippedWalks();
     for (const std::string& file : options_.scenarios.paths) AddLight(setup, light_, file, {}, "");
     const std::string brisk = (DataFolder() / "scenarios/lab_loop_brisk.yaml").string();
     AddLight(setup, light_, brisk, {"camera.width_px=640", "camera.height_px=480"}, ", 640 x 480");
-    MeasureCrowd(setup);
-    MeasureTracking(setup);
-    if (!options_.before.empty()) CompareQuickStarts(setup);
   }
 
-  std::string Table() const override { return LightTable() + CrowdTable() + tracking_ + QuickStartTable(); }
-
- private:
   void AddLight(const ExperimentSetup& setup, std::vector<LightRow>& rows, const std::string& file,
                 const std::vector<std::string>& sets, const std::string& suffix, bool convergence = true) {
     const ResolvedScenario resolved = ReadScenario(UsersOrShipped(file, {"scenarios"}), sets);
@@ -137,12 +162,17 @@ class Speed : public ExperimentOf<SpeedOptions> {
     }
   }
 
-  std::string LightTable() const {
-    std::string text = fmt::format(
+  std::string Introduction() const {
+    return fmt::format(
         "# Speed\n\nMade by `{}`. All times are parts of something else's that was measured in turn with it, in the "
-        "same "
-        "process or by the same command.\n\n"
-        "## A blurred frame\n\nOf each walk the {} frames with the longest blur, without noise. `cost` is a frame's "
+        "same process or by the same command.\n",
+        command_);
+  }
+
+  std::string LightTable() const {
+    if (light_.empty()) return "";
+    std::string text = fmt::format(
+        "\n## A blurred frame\n\nOf each walk the {} frames with the longest blur, without noise. `cost` is a frame's "
         "time "
         "over that of MuJoCo's bare loop (`mjv_updateScene`, `mjr_render`, `mjr_readPixels`) run once for every "
         "sub-frame, median; the second figure is with sharp twin, depth and blur vectors of every pixel. Differences "
@@ -151,7 +181,7 @@ class Speed : public ExperimentOf<SpeedOptions> {
         "pixels and RMS within 3 px of a depth edge; beside them those of plain integration at its usual step.\n\n"
         "| walk | blur, px | sub-frames | renders | cost | with truth | difference | at edges | plain | at edges |\n"
         "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
-        command_, options_.frames);
+        options_.frames);
     for (const LightRow& row : light_) {
       text += fmt::format(
           "| {} | {:.1f} | {:.0f} | {:.1f} | {:.2f} | {:.2f} | {:.2f} / {} | {:.2f} | {:.2f} / {} | {:.2f} |\n",
@@ -162,6 +192,7 @@ class Speed : public ExperimentOf<SpeedOptions> {
   }
 
   std::string CrowdTable() const {
+    if (crowd_.empty()) return "";
     std::string text =
         "\n## A crowd\n\nThe same frames with and without people in view. The bare loop draws the same people.\n\n"
         "| walk | blur, px | sub-frames | renders | cost |\n|---|---:|---:|---:|---:|\n";
