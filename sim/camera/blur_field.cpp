@@ -6,6 +6,7 @@
 
 #include "algorithms/core/errors.h"
 #include "sim/camera/renderer.h"
+#include "sim/world/world.h"
 
 namespace gaitcam {
 namespace {
@@ -14,9 +15,10 @@ constexpr double kInfinitely = 1e6;  // m; far enough that no motion of the came
 
 /// A relative motion in single precision, and the pinhole part of the projection.
 struct Mover {
-  Eigen::Matrix3f R;
-  Eigen::Vector3f t;
+  Eigen::Matrix3f R = Eigen::Matrix3f::Identity();
+  Eigen::Vector3f t = Eigen::Vector3f::Zero();
 
+  Mover() = default;
   explicit Mover(const Pose& X) : R(X.R().cast<float>()), t(X.translation.cast<float>()) {}
 };
 
@@ -30,16 +32,49 @@ Eigen::Vector2f Project(const CameraModel& camera, bool distorted, const Eigen::
 
 }  // namespace
 
-SceneInstant CaptureInstant(const mjModel* model, const mjData& data, int camera_id, int64_t stamp_ns) {
+SceneInstant CaptureInstant(const mjModel* model, const mjData& data, int camera_id, int64_t stamp_ns,
+                            bool with_people) {
   SceneInstant instant;
   instant.stamp_ns = stamp_ns;
   instant.X_WC = CameraPose(data, camera_id);
-  for (int body = 0; body < model->nbody; ++body) {
+  instant.X_WB.resize(size_t(model->nbody));
+  const int end = with_people ? model->nbody : FirstPersonBody(model);
+  for (int body = 0; body < end; ++body) {
     const mjtNum* q = data.xquat + ptrdiff_t{4} * body;
-    instant.X_WB.emplace_back(Eigen::Quaterniond(q[0], q[1], q[2], q[3]),
-                              Eigen::Map<const Eigen::Vector3d>(data.xpos + ptrdiff_t{3} * body));
+    instant.X_WB[size_t(body)] = Pose(Eigen::Quaterniond(q[0], q[1], q[2], q[3]),
+                                      Eigen::Map<const Eigen::Vector3d>(data.xpos + ptrdiff_t{3} * body));
   }
   return instant;
+}
+
+std::vector<int> SeenBodies(const cv::Mat& bodies) {
+  if (bodies.empty()) return {0};
+  std::vector<int> seen;
+  int before = -1;
+  for (int row = 0; row < bodies.rows; ++row) {
+    for (int col = 0; col < bodies.cols; ++col) {
+      const int body = bodies.at<int>(row, col);
+      if (body != before) seen.push_back(body);
+      before = body;
+    }
+  }
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  return seen;
+}
+
+void PoseSeenPeople(const mjModel* model, const std::vector<PersonWalk>& people, std::span<const int> seen,
+                    SceneInstant& instant) {
+  const int first = FirstPersonBody(model);
+  int posed = -1;
+  PersonPose pose;
+  for (const int body : seen) {
+    if (body < first) continue;
+    const int person = (body - first) / kPersonParts;
+    if (person != posed) pose = people[size_t(person)].At(1e-9 * double(instant.stamp_ns));
+    posed = person;
+    instant.X_WB[size_t(body)] = pose[size_t((body - first) % kPersonParts)];
+  }
 }
 
 Pose RelativeMotion(const SceneInstant& from, const SceneInstant& to, int body) {
@@ -89,16 +124,15 @@ cv::Mat BlurVectors(const CameraModel& camera, const cv::Mat& rays, const cv::Ma
   const bool distorted = camera.IsDistorted();
   cv::Mat vectors(rays.size(), CV_32FC2);
   size_t current = bands.size();
-  std::vector<std::pair<Mover, Mover>> movers;
+  const std::vector<int> seen = SeenBodies(bodies);
+  std::vector<std::pair<Mover, Mover>> movers(middle.X_WB.size());
   for (int row = 0; row < rays.rows; ++row) {
     const size_t band = size_t(row) * bands.size() / size_t(rays.rows);
     if (band != current) {
       current = band;
-      movers.clear();
-      const size_t seen = bodies.empty() ? 1 : middle.X_WB.size();
-      for (size_t body = 0; body < seen; ++body) {
-        movers.emplace_back(Mover(RelativeMotion(middle, bands[band].first, int(body))),
-                            Mover(RelativeMotion(middle, bands[band].second, int(body))));
+      for (const int body : seen) {
+        movers[size_t(body)] = {Mover(RelativeMotion(middle, bands[band].first, body)),
+                                Mover(RelativeMotion(middle, bands[band].second, body))};
       }
     }
     for (int col = 0; col < rays.cols; ++col) {

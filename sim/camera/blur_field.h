@@ -8,10 +8,12 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <span>
 #include <vector>
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/pose.h"
+#include "models/code/people/person_walk.h"
 
 namespace gaitcam {
 
@@ -22,7 +24,16 @@ struct SceneInstant {
   std::vector<Pose> X_WB;  ///< By MuJoCo's body numbers; 0 is the world. Parts of people are bodies, too.
 };
 
-SceneInstant CaptureInstant(const mjModel* model, const mjData& data, int camera_id, int64_t stamp_ns);
+/// @param with_people if not, the identity stands for the poses of their parts, until PoseSeenPeople puts some there.
+SceneInstant CaptureInstant(const mjModel* model, const mjData& data, int camera_id, int64_t stamp_ns,
+                            bool with_people = true);
+
+/// The bodies in a picture of labels (CV_32SC1), ascending; the world alone, 0, if that is empty.
+std::vector<int> SeenBodies(const cv::Mat& bodies);
+
+/// Poses the parts of people among the bodies that are seen. @param people of the model, in their order.
+void PoseSeenPeople(const mjModel* model, const std::vector<PersonWalk>& people, std::span<const int> seen,
+                    SceneInstant& instant);
 
 /// Motion of a body relative to the camera: maps the position of a point of it in the camera frame at one instant to
 /// that at another.

@@ -19,6 +19,7 @@ constexpr int kRollingBands = 64;                 // bands of rows whose blur ve
 constexpr int64_t kLookNs = 1000000;              // the motion is measured at least this often
 constexpr int kLeastDetail = 2, kMostDetail = 3;  // pixels of a key picture in the place of one, in a row
 constexpr int kFewSubframes = 7;                  // fewer are rendered sooner than one key picture
+constexpr double kShapesLikePicture = 60;         // pieces of people, as long to draw as the image's size in pixels
 constexpr double kGuessedDepth_m = 0.7;           // of what a small robot sees, before anything was rendered
 constexpr double kMostKeyPixels = 6e6;            // of a key picture; beyond, its memory would outweigh its use
 constexpr GreyError kOcclusionBound{0.3, 4};      // what depth edges may add; the rest of the error is sampling's
@@ -77,7 +78,8 @@ MotionProfile MeasureMotion(const CameraModel& camera, const SeenPoints& points,
 int DetailFor(int samples) { return int(std::ceil(std::sqrt(samples))); }
 
 /// What the pictures of so many keys cost, in pictures of the image's own size: measured on llvmpipe, 320 x 240 px.
-double CostOf(int keys, int detail) { return keys * (0.3 + 0.75 * detail * detail); }
+/// @param shape_cost of what stands in each picture, beside its pixels.
+double CostOf(int keys, int detail, double shape_cost) { return keys * (0.3 + 0.75 * detail * detail + shape_cost); }
 
 }  // namespace
 
@@ -96,6 +98,18 @@ ExposingCamera::ExposingCamera(const mjModel* model, const std::string& camera_n
 SceneInstant ExposingCamera::At(const MotionRecord& record, int64_t stamp_ns) {
   record.Evaluate(model_, stamp_ns, data_.get());
   return CaptureInstant(model_, *data_, camera_id_, stamp_ns);
+}
+
+/// Camera and robot; people may be many, and few of them are seen.
+SceneInstant ExposingCamera::AtWithoutPeople(const MotionRecord& record, int64_t stamp_ns) {
+  record.EvaluateRobot(model_, stamp_ns, data_.get());
+  return CaptureInstant(model_, *data_, camera_id_, stamp_ns, false);
+}
+
+void ExposingCamera::PosePeople(const MotionRecord& record, std::span<const int> seen,
+                                std::span<SceneInstant> instants) const {
+  if (record.people() == nullptr) return;
+  for (SceneInstant& instant : instants) PoseSeenPeople(model_, *record.people(), seen, instant);
 }
 
 void ExposingCamera::Collect(Renderer& renderer, const Eigen::Vector2d& shift_px, std::span<const float> row_weights,
@@ -143,12 +157,20 @@ cv::Mat ExposingCamera::SoftenSheared(const cv::Mat& light) const {
   return Soften(colours, LensVariance());
 }
 
-void ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, std::optional<int> detail,
+/// What it takes to draw people, in pictures of the image's own size without any. However few pixels they fill, their
+/// shapes are drawn for every picture, fine or coarse.
+double ExposingCamera::ShapeCost(Renderer& renderer, const Pose& X_WC) const {
+  return renderer.CountPeople(X_WC, lens_->pinhole()) / kShapesLikePicture;
+}
+
+void ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, const std::vector<SceneInstant>& looks,
                                LatentFrame& latent) {
   latent.middle = At(record, latent.frame.image.stamp_ns);
   renderer.Update(*data_);
   const CameraModel& pinhole = lens_->pinhole();
   const Pose& X_WC = latent.middle.X_WC;
+  latent.shape_cost = ShapeCost(renderer, X_WC);
+  const std::optional<int> detail = KeyDetail(looks, latent.shape_cost);
   if (detail) {
     const CameraModel largest = keys_.Raster(std::max(*detail, kMostDetail));
     renderer.Reserve(largest.width_px, largest.height_px);
@@ -156,11 +178,12 @@ void ExposingCamera::SeeMiddle(Renderer& renderer, const MotionRecord& record, s
     const KeyPicture& key = *latent.middle_key;
     if (!key.bodies.empty()) latent.bodies = key.bodies.colRange(0, latent.depth.cols);
   } else {
-    renderer.Draw(*data_, X_WC, pinhole);
+    renderer.Draw(*data_, X_WC, pinhole, Eigen::Vector2d::Zero(), 1, true);
     latent.depth = lens_->Depth(renderer.ReadNearness());
-    if (latent.wanted.sharp) latent.sharp = Sharp(renderer, X_WC);
-    if (renderer.SeesMovingBodies(X_WC, pinhole)) {
-      latent.bodies = lens_->WarpLabels(renderer.Bodies(*data_, X_WC, pinhole));
+    if (renderer.ShowsMovingBodies()) latent.bodies = lens_->WarpLabels(renderer.Bodies(*data_));
+    if (latent.wanted.sharp) {
+      if (!latent.bodies.empty()) renderer.Draw(*data_, X_WC, pinhole);  // to tell them apart may have taken a picture
+      latent.sharp = Sharp(renderer, X_WC);
     }
   }
   const int stride = std::max(1, lens_->camera().width_px / kPointsAcross);
@@ -171,7 +194,8 @@ std::vector<SceneInstant> ExposingCamera::LookAround(const MotionRecord& record,
   const int64_t duration = shutter.close_ns - shutter.open_ns;
   const int64_t looks = std::clamp<int64_t>((duration + kLookNs - 1) / kLookNs, 8, 256);
   std::vector<SceneInstant> instants;
-  for (int64_t i = 0; i <= looks; ++i) instants.push_back(At(record, shutter.open_ns + duration * i / looks));
+  for (int64_t i = 0; i <= looks; ++i)
+    instants.push_back(AtWithoutPeople(record, shutter.open_ns + duration * i / looks));
   return instants;
 }
 
@@ -179,7 +203,7 @@ std::vector<SceneInstant> ExposingCamera::LookAround(const MotionRecord& record,
 /// sub-frames do. An edge that is misplaced by a part of a key's pixel is an error of 1 / (detail x length) of its
 /// contrast in each of the `length` pixels that it passes. The image's RMS error goes with 1 / (detail x sqrt(length))
 /// therefore, and with the square root of the edges' share of the image, which falls with its width.
-std::optional<int> ExposingCamera::KeyDetail(const std::vector<SceneInstant>& looks) const {
+std::optional<int> ExposingCamera::KeyDetail(const std::vector<SceneInstant>& looks, double shape_cost) const {
   const ExposureOptions& exposure = options_.exposure;
   if (exposure.integration == LightIntegration::kPlain || exposure.fixed_subframes > 0) return std::nullopt;
   const CameraModel& camera = lens_->camera();
@@ -187,7 +211,8 @@ std::optional<int> ExposingCamera::KeyDetail(const std::vector<SceneInstant>& lo
   const int stride = std::max(1, camera.width_px / 8);
   const SeenPoints points(lens_->rays(), depth, cv::Mat(), looks[looks.size() / 2], stride);
   const double travel_px = MeasureMotion(camera, points, looks).travel_px.back();
-  if (std::max(travel_px / exposure.max_step_px, double(options_.antialias)) < kFewSubframes) return std::nullopt;
+  const double subframes = std::max(travel_px / exposure.max_step_px, double(options_.antialias));
+  if (subframes * (1 + shape_cost) < kFewSubframes + shape_cost) return std::nullopt;
   const int enough = int(std::lround(180 / std::sqrt(camera.width_px * std::max(travel_px, 1.0))));
   const int detail = std::max(std::clamp(enough, kLeastDetail, kMostDetail), DetailFor(options_.antialias));
   if (double(detail) * detail * camera.width_px * camera.height_px > kMostKeyPixels) return std::nullopt;
@@ -208,7 +233,8 @@ int ExposingCamera::CountKeys(const LatentFrame& latent, const std::vector<Scene
   };
   while (keys <= most && !suffice()) {
     keys += 2;
-    if (keys > most || 2 * CostOf(keys - 1, kLeastDetail) > most) return 0;  // plain is more exact, too
+    if (keys > most || 2 * CostOf(keys - 1, kLeastDetail, latent.shape_cost) > most * (1 + latent.shape_cost))
+      return 0;  // plain is more exact, too
   }
   return keys;
 }
@@ -244,20 +270,25 @@ void ExposingCamera::SeeKeys(Renderer& renderer, const MotionRecord& record, con
 }
 
 /// What the truth about motion is measured by.
-void ExposingCamera::TracePaths(const MotionRecord& record, LatentFrame& latent) {
+void ExposingCamera::TracePaths(const MotionRecord& record, std::span<const int> seen, LatentFrame& latent) {
+  const auto at = [&](int64_t stamp_ns) {
+    SceneInstant instant = AtWithoutPeople(record, stamp_ns);
+    PosePeople(record, seen, {&instant, 1});
+    return instant;
+  };
   const int64_t stamp_ns = latent.middle.stamp_ns;
   const int rows = lens_->camera().height_px;
   const int bands = options_.exposure.readout_ms > 0 ? std::min(kRollingBands, rows) : 1;
   for (int band = 0; band < bands && latent.wanted.blur; ++band) {
     const ShutterInterval own = RowShutter(options_.exposure, stamp_ns, (band + 0.5) * rows / bands - 0.5, rows);
-    latent.open_close.emplace_back(At(record, own.open_ns), At(record, own.close_ns));
+    latent.open_close.emplace_back(at(own.open_ns), at(own.close_ns));
   }
   const ShutterInterval own = MiddleRowShutter(options_.exposure, stamp_ns);
-  latent.path = {At(record, own.open_ns)};
+  latent.path = {at(own.open_ns)};
   for (const SceneInstant& instant : latent.instants) {
     if (instant.stamp_ns > own.open_ns && instant.stamp_ns < own.close_ns) latent.path.push_back(instant);
   }
-  latent.path.push_back(At(record, own.close_ns));
+  latent.path.push_back(at(own.close_ns));
   FilmedTruth& truth = latent.frame.truth;
   truth.X_WC_open = latent.path.front().X_WC;
   truth.X_WC = latent.middle.X_WC;
@@ -272,23 +303,29 @@ LatentFrame ExposingCamera::Film(Renderer& renderer, const MotionRecord& record,
   // Depth and motion determine the sub-frames, so they are measured whatever truth is requested: the image must not
   // depend on that.
   const ShutterInterval whole = WholeShutter(options_.exposure, stamp_ns);
-  const std::vector<SceneInstant> looks = LookAround(record, whole);
-  SeeMiddle(renderer, record, KeyDetail(looks), latent);
+  std::vector<SceneInstant> looks = LookAround(record, whole);
+  SeeMiddle(renderer, record, looks, latent);
+  std::vector<int> seen = SeenBodies(latent.bodies);
+  PosePeople(record, seen, looks);
   MotionProfile motion;
   if (whole.close_ns > whole.open_ns) motion = MeasureMotion(lens_->camera(), *latent.points, looks);
   const ShutterPlan plan = PlanShutter(options_.exposure, stamp_ns, options_.antialias, motion);
   for (const ShutterSlot& slot : plan) {
-    latent.instants.push_back(At(record, slot.stamp_ns));
+    latent.instants.push_back(AtWithoutPeople(record, slot.stamp_ns));
     truth.subframes.push_back({slot.stamp_ns, slot.weight, latent.instants.back().X_WC});
   }
   const int keys = CountKeys(latent, looks, plan, motion);
   truth.renders = keys > 0 ? keys : int(plan.size());
   if (keys > 0) {
     SeeKeys(renderer, record, plan, keys, latent);
+    for (const KeyPicture& key : latent.keys) seen.insert(seen.end(), key.seen.begin(), key.seen.end());
+    std::sort(seen.begin(), seen.end());
+    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   } else {
     latent.light = Integrate(renderer, record, plan, stamp_ns);
   }
-  TracePaths(record, latent);
+  PosePeople(record, seen, latent.instants);
+  TracePaths(record, seen, latent);
   return latent;
 }
 

@@ -78,6 +78,7 @@ struct LatentFrame {
   std::vector<Eigen::Vector2d> shifts_px;   ///< Of the sub-frames' samples.
   SceneInstant middle;                      ///< Mid-exposure,
   std::optional<KeyPicture> middle_key;     ///< its key picture, unless none was made,
+  double shape_cost = 0;                    ///< Of people in view, beside a picture's pixels (ShapeCost),
   cv::Mat depth, bodies;                    ///< what the camera then sees; no bodies where only the world is in view,
   cv::Mat sharp;                            ///< and the light of its sharp twin, if it was rendered.
   std::optional<SeenPoints> points;         ///< Points seen then,
@@ -119,14 +120,18 @@ class ExposingCamera {
 
  private:
   SceneInstant At(const MotionRecord& record, int64_t stamp_ns);
+  SceneInstant AtWithoutPeople(const MotionRecord& record, int64_t stamp_ns);
+  void PosePeople(const MotionRecord& record, std::span<const int> seen, std::span<SceneInstant> instants) const;
   std::vector<SceneInstant> LookAround(const MotionRecord& record, const ShutterInterval& shutter);
-  std::optional<int> KeyDetail(const std::vector<SceneInstant>& looks) const;
+  double ShapeCost(Renderer& renderer, const Pose& X_WC) const;
+  std::optional<int> KeyDetail(const std::vector<SceneInstant>& looks, double shape_cost) const;
 
   cv::Mat Sharp(Renderer& renderer, const Pose& X_WC);
   cv::Mat Sharp(const KeyPicture& key) const;
   double LensVariance() const { return options_.softness_px * options_.softness_px; }
   cv::Mat SoftenSheared(const cv::Mat& light) const;
-  void SeeMiddle(Renderer& renderer, const MotionRecord& record, std::optional<int> detail, LatentFrame& latent);
+  void SeeMiddle(Renderer& renderer, const MotionRecord& record, const std::vector<SceneInstant>& looks,
+                 LatentFrame& latent);
   int CountKeys(const LatentFrame& latent, const std::vector<SceneInstant>& looks, const ShutterPlan& plan,
                 const MotionProfile& motion) const;
 
@@ -134,7 +139,7 @@ class ExposingCamera {
                LightAccumulator& light);
   cv::Mat Integrate(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, int64_t stamp_ns);
   void SeeKeys(Renderer& renderer, const MotionRecord& record, const ShutterPlan& plan, int keys, LatentFrame& latent);
-  void TracePaths(const MotionRecord& record, LatentFrame& latent);
+  void TracePaths(const MotionRecord& record, std::span<const int> seen, LatentFrame& latent);
 
   cv::Mat Shear(LatentFrame& latent) const;
   void DescribeBlur(const LatentFrame& latent, FilmedTruth& truth) const;

@@ -106,18 +106,19 @@ void WidenTent(int finer, cv::Mat& light) {
   cv::sepFilter2D(light, light, CV_32F, tent, tent, {-1, -1}, 0, cv::BORDER_REPLICATE);
 }
 
-/// Of the image's pixels: the nearest of the picture's.
-cv::Mat PixelNearness(const cv::Mat& picture, const CameraModel& camera, const std::vector<float>& ray_x,
+/// Of the image's pixels: the nearest of the picture's. What pads the rows stays 0.
+template <class Value>
+cv::Mat NearestPixels(const cv::Mat& picture, const CameraModel& camera, const std::vector<float>& ray_x,
                       const std::vector<float>& ray_y, int stride, const cv::Size& size) {
-  cv::Mat nearness(size.height, stride, CV_32FC1, cv::Scalar(0));
+  cv::Mat nearest(size.height, stride, picture.type(), cv::Scalar(0));
   const float f = float(camera.fx), cx = float(camera.cx) + 0.5f, cy = float(camera.cy) + 0.5f;
   for (int v = 0; v < size.height; ++v) {
     const float* rx = ray_x.data() + ptrdiff_t{v} * stride;
     const float* ry = ray_y.data() + ptrdiff_t{v} * stride;
-    float* to = nearness.ptr<float>(v);
-    for (int u = 0; u < size.width; ++u) to[u] = picture.at<float>(int(f * ry[u] + cy), int(f * rx[u] + cx));
+    Value* to = nearest.ptr<Value>(v);
+    for (int u = 0; u < size.width; ++u) to[u] = picture.at<Value>(int(f * ry[u] + cy), int(f * rx[u] + cx));
   }
-  return nearness;
+  return nearest;
 }
 
 }  // namespace
@@ -142,19 +143,19 @@ KeyPicture KeyCamera::See(Renderer& renderer, mjData& data, const SceneInstant& 
   key.at = at;
   key.finer = finer;
   key.camera = Raster(finer);
-  renderer.Draw(data, at.X_WC, key.camera, shift_px, finer);
+  renderer.Draw(data, at.X_WC, key.camera, shift_px, finer, true);
   renderer.ReadColor(key.picture);
   const cv::Mat nearness = renderer.ReadNearness();
   key.camera.cx -= shift_px.x();
   key.camera.cy -= shift_px.y();
-  key.nearness = PixelNearness(nearness, key.camera, ray_x_, ray_y_, stride_, lens_->rays().size());
+  const cv::Size size = lens_->rays().size();
+  key.nearness = NearestPixels<float>(nearness, key.camera, ray_x_, ray_y_, stride_, size);
   if (depth != nullptr) *depth = lens_->Depth(nearness, key.camera);
-  if (renderer.SeesMovingBodies(at.X_WC, lens_->pinhole())) {
-    // Of an even number of fine pixels none lies in a pixel's middle: the one right below it tells the depth.
-    const double beside = finer % 2 == 0 ? 0.5 / finer : 0;
-    const cv::Mat bodies = lens_->WarpLabels(renderer.Bodies(data, at.X_WC, lens_->pinhole(), {beside, beside}));
-    cv::copyMakeBorder(bodies, key.bodies, 0, 0, 0, stride_ - bodies.cols, cv::BORDER_REPLICATE);
+  if (renderer.ShowsMovingBodies()) {
+    key.bodies = NearestPixels<int>(renderer.Bodies(data), key.camera, ray_x_, ray_y_, stride_, size);
   }
+  key.seen = SeenBodies(key.bodies);
+  if (key.seen.back() == 0) key.bodies.release();
   return key;
 }
 
@@ -167,14 +168,13 @@ void KeyCamera::Decode(KeyPicture& key) const {
 /// One instant: where its pixels look in the key picture.
 class KeyCamera::Path {
  public:
-  Path(const KeyPicture& key, const ShearedFrame& frame, double shift_scale)
+  /// @param place of each body among those that the key sees.
+  Path(const KeyPicture& key, std::span<const int> place, const ShearedFrame& frame, double shift_scale)
       : weights_(frame.row_weights),
+        place_(place),
         shift_x_(Repeat(float(frame.shift_px.x() * shift_scale))),
         shift_y_(Repeat(float(frame.shift_px.y() * shift_scale))) {
-    const size_t bodies = key.bodies.empty() ? 1 : frame.at->X_WB.size();
-    for (size_t body = 0; body < bodies; ++body) {
-      followers_.emplace_back(RelativeMotion(*frame.at, key.at, int(body)), key.camera);
-    }
+    for (const int body : key.seen) followers_.emplace_back(RelativeMotion(*frame.at, key.at, body), key.camera);
   }
 
   float weight(int row) const { return weights_[size_t(row)]; }
@@ -183,10 +183,10 @@ class KeyCamera::Path {
   PointBlock Follow(PixelBlock pixels, const int* bodies) const {
     pixels.ray_x += shift_x_;
     pixels.ray_y += shift_y_;
-    PointBlock points = followers_[bodies == nullptr ? 0 : size_t(bodies[0])].Follow(pixels);
+    PointBlock points = Of(bodies == nullptr ? 0 : bodies[0]).Follow(pixels);
     for (int lane = 1; bodies != nullptr && lane < kLanes; ++lane) {
       if (bodies[lane] == bodies[0]) continue;
-      const PointBlock other = followers_[size_t(bodies[lane])].Follow(pixels);
+      const PointBlock other = Of(bodies[lane]).Follow(pixels);
       points.x[lane] = other.x[lane];
       points.y[lane] = other.y[lane];
     }
@@ -194,9 +194,12 @@ class KeyCamera::Path {
   }
 
  private:
+  const Follower& Of(int body) const { return followers_[size_t(place_[size_t(body)])]; }
+
   std::span<const float> weights_;
+  std::span<const int> place_;
   Float4 shift_x_, shift_y_;
-  std::vector<Follower> followers_;  ///< By body.
+  std::vector<Follower> followers_;  ///< Of the bodies that the key sees.
 };
 
 /// Points of one row of the image.
@@ -287,10 +290,12 @@ void KeyCamera::Add(const KeyPicture& key, std::span<const ShearedFrame> frames,
   GAITCAM_ASSERT(light.type() == CV_32FC4 && light.size() == size && !key.light.empty());
   // Through the tent of a lens that bends, pixels look at their centres (LightAccumulator::AddBent).
   const double shift_scale = lens_->warps() ? 0 : 1 / lens_->pinhole().fx;
+  std::vector<int> place(key.at.X_WB.size(), 0);
+  for (size_t i = 0; i < key.seen.size(); ++i) place[size_t(key.seen[i])] = int(i);
   std::vector<Path> paths;
   for (const ShearedFrame& frame : frames) {
     GAITCAM_ASSERT(int(frame.row_weights.size()) == size.height);
-    paths.emplace_back(key, frame, shift_scale);
+    paths.emplace_back(key, place, frame, shift_scale);
   }
   std::vector<const Path*> open;
   for (int row = 0; row < size.height; ++row) {

@@ -33,8 +33,9 @@ struct KeyPicture {
   cv::Mat picture;     ///< As Renderer::ReadColor gives it.
   cv::Mat light;       ///< CV_32FC4: linear light of B, G, R, and nothing; row 0 on top. Empty before Decode().
   // By the image's pixels; rows are padded to a whole number of vectors.
-  cv::Mat bodies;    ///< CV_32SC1; empty where only the world is in view.
-  cv::Mat nearness;  ///< CV_32FC1, 1/m; 0 where nothing is.
+  cv::Mat bodies;         ///< CV_32SC1; empty where only the world is in view.
+  std::vector<int> seen;  ///< The numbers in `bodies` (SeenBodies).
+  cv::Mat nearness;       ///< CV_32FC1, 1/m; 0 where nothing is.
 };
 
 /// An instant whose light is computed from a key picture.

@@ -25,9 +25,11 @@ class Edges {
         const SceneInstant& close)
       : key_(key), rays_(rays), depth_(depth) {
     f_ = (rays.cols - 1) / double(rays.at<cv::Vec2f>(0, rays.cols - 1)[0] - rays.at<cv::Vec2f>(0, 0)[0]);
-    for (size_t body = 0; body < (key.bodies.empty() ? 1 : key.at.X_WB.size()); ++body) {
-      to_open_.push_back(RelativeMotion(key.at, open, int(body)));
-      to_close_.push_back(RelativeMotion(key.at, close, int(body)));
+    to_open_.resize(key.at.X_WB.size());
+    to_close_.resize(key.at.X_WB.size());
+    for (const int body : key.seen) {
+      to_open_[size_t(body)] = RelativeMotion(key.at, open, body);
+      to_close_[size_t(body)] = RelativeMotion(key.at, close, body);
     }
     for (size_t i = 0; i < level_.size(); ++i) level_[i] = float(255 * std::sqrt(SrgbToLinear(double(i) / 255)));
   }
@@ -77,9 +79,9 @@ class Edges {
 
   const KeyPicture& key_;
   const cv::Mat &rays_, &depth_;
-  double f_;  ///< Pixels per unit of a ray, over the width of the image.
-  std::vector<Pose> to_open_, to_close_;
-  std::array<float, 256> level_;  ///< Of display values.
+  double f_;                              ///< Pixels per unit of a ray, over the width of the image.
+  std::vector<Pose> to_open_, to_close_;  ///< By body, of those that are seen.
+  std::array<float, 256> level_;          ///< Of display values.
 };
 
 }  // namespace

@@ -13,12 +13,14 @@
 #include <type_traits>
 
 #include "algorithms/core/errors.h"
+#include "sim/camera/cover.h"
 #include "sim/camera/light.h"
 
 namespace gaitcam {
 namespace {
 
-constexpr int kSpareGeoms = 64;  // room for decoration that MuJoCo may add of its own
+constexpr int kSpareGeoms = 64;    // room for decoration that MuJoCo may add of its own
+constexpr int kSharedLabel = 255;  // the last that a stencil of 8 bits holds
 
 template <class Function>
 Function LoadGlFunction(const char* name) {
@@ -68,9 +70,22 @@ struct Renderer::Gl {
   PFNGLBINDRENDERBUFFERPROC BindRenderbuffer = LoadGlFunction<PFNGLBINDRENDERBUFFERPROC>("glBindRenderbuffer");
   PFNGLGETRENDERBUFFERPARAMETERIVPROC GetRenderbufferParameteriv =
       LoadGlFunction<PFNGLGETRENDERBUFFERPARAMETERIVPROC>("glGetRenderbufferParameteriv");
+  PFNGLENABLEPROC Enable = LoadGlFunction<PFNGLENABLEPROC>("glEnable");
+  PFNGLDISABLEPROC Disable = LoadGlFunction<PFNGLDISABLEPROC>("glDisable");
+  PFNGLCLEARPROC Clear = LoadGlFunction<PFNGLCLEARPROC>("glClear");
+  PFNGLSTENCILFUNCPROC StencilFunc = LoadGlFunction<PFNGLSTENCILFUNCPROC>("glStencilFunc");
+  PFNGLSTENCILOPPROC StencilOp = LoadGlFunction<PFNGLSTENCILOPPROC>("glStencilOp");
   PFNGLRENDERBUFFERSTORAGEPROC RenderbufferStorage =
       LoadGlFunction<PFNGLRENDERBUFFERSTORAGEPROC>("glRenderbufferStorage");
   // Of OpenGL before 3.1, as all that MuJoCo draws with.
+  using GenLists = GLuint(APIENTRYP)(GLsizei);
+  GenLists MakeLists = LoadGlFunction<GenLists>("glGenLists");
+  using NewList = void(APIENTRYP)(GLuint, GLenum);
+  NewList BeginList = LoadGlFunction<NewList>("glNewList");
+  using EndListCall = void(APIENTRYP)();
+  EndListCall EndList = LoadGlFunction<EndListCall>("glEndList");
+  using DeleteListsCall = void(APIENTRYP)(GLuint, GLsizei);
+  DeleteListsCall DeleteLists = LoadGlFunction<DeleteListsCall>("glDeleteLists");
   using TexEnvf = void(APIENTRYP)(GLenum, GLenum, GLfloat);
   TexEnvf SetTextureEnvironment = LoadGlFunction<TexEnvf>("glTexEnvf");
 };
@@ -113,6 +128,32 @@ struct Renderer::Frustum {
   }
 };
 
+/// What a mesh geom reaches to and what lies within it for certain, in its own frame.
+struct Renderer::GeomExtent {
+  Eigen::Vector3d low{0, 0, 0}, high{0, 0, 0};  ///< Bounding box; empty of what is no mesh.
+  std::array<Cover::Disc, 2> core;
+  bool has_core = false;
+
+  GeomExtent(const mjModel* model, int geom) {
+    if (model->geom_type[geom] != mjGEOM_MESH) return;
+    const int mesh = model->geom_dataid[geom];
+    const Eigen::Map<const Eigen::Matrix3Xf> vertices(model->mesh_vert + ptrdiff_t{3} * model->mesh_vertadr[mesh], 3,
+                                                      model->mesh_vertnum[mesh]);
+    low = vertices.rowwise().minCoeff().cast<double>();
+    high = vertices.rowwise().maxCoeff().cast<double>();
+    if (model->nuser_geom < kCoreNumbers) return;
+    const mjtNum *numbers = model->geom_user + ptrdiff_t{model->nuser_geom} * geom,
+                 *p = model->geom_pos + ptrdiff_t{3} * geom, *q = model->geom_quat + ptrdiff_t{4} * geom;
+    const Pose X_GB = Pose(Eigen::Quaterniond(q[0], q[1], q[2], q[3]), {p[0], p[1], p[2]}).Inverse();
+    for (Cover::Disc& disc : core) {
+      const Eigen::Map<const Eigen::Matrix3d> read(numbers);  // by columns
+      disc = {X_GB * Eigen::Vector3d(read.col(0)), X_GB.R() * read.col(1), X_GB.R() * read.col(2)};
+      numbers += 9;
+    }
+    has_core = core[0].a.norm() > 0 && core[0].b.norm() > 0 && core[1].a.norm() > 0 && core[1].b.norm() > 0;
+  }
+};
+
 Renderer::Renderer(const mjModel* model, const RendererOptions& options, const std::vector<TexturePicture>& pictures)
     : model_(model), options_(options) {
   GAITCAM_ASSERT(model != nullptr);
@@ -126,18 +167,38 @@ Renderer::Renderer(const mjModel* model, const RendererOptions& options, const s
   mjv_defaultOption(&visual_);
   SetOnly(visual_.flags, mjNVISFLAG, {mjVIS_TEXTURE, mjVIS_STATIC, mjVIS_SKIN});
   mjv_defaultScene(&scene_);
-  mjv_makeScene(model, &scene_, model->ngeom + kSpareGeoms);
+  mjv_makeScene(model, &scene_, 2 * model->ngeom + kSpareGeoms);  // before each geom there may be a label
   SetOnly(scene_.flags, mjNRNDFLAG, {mjRND_CULL_FACE});
   scene_.flags[mjRND_SHADOW] = options.shadows;
   for (int i = 0; i < model->ntex; ++i) {
     if (model->tex_type[i] == mjTEXTURE_SKYBOX) scene_.flags[mjRND_SKYBOX] = 1;
   }
+  for (int i = 0; i < model->ngeom; ++i) {
+    extents_.emplace_back(model, i);
+    has_cores_ |= extents_.back().has_core;
+  }
   mjr_defaultContext(&context_);
   MakeContext(640, 480);
   UploadPictures(model, context_, pictures);
+  label_of_.resize(size_t(model->nbody), 0);
+  reach_of_.resize(size_t(model->nbody), std::numeric_limits<float>::infinity());
+  MakeLabels();
+}
+
+/// MuJoCo draws a mesh by calling a display list. One that only sets the value which is written into the stencil makes
+/// all that is drawn after it say to which body it belongs.
+void Renderer::MakeLabels() {
+  constexpr GLenum kCompile = 0x1300;  // GL_COMPILE, of OpenGL 1
+  label_lists_ = gl_->MakeLists(kSharedLabel + 1);
+  for (int label = 0; label <= kSharedLabel; ++label) {
+    gl_->BeginList(label_lists_ + unsigned(label), kCompile);
+    gl_->StencilFunc(GL_ALWAYS, label, 0xff);
+    gl_->EndList();
+  }
 }
 
 Renderer::~Renderer() {
+  gl_->DeleteLists(label_lists_, kSharedLabel + 1);
   mjr_freeContext(&context_);
   mjv_freeScene(&scene_);
 }
@@ -224,32 +285,122 @@ void Renderer::SetCamera(const Pose& X_WC, const CameraModel& camera, const Eige
   scene_.camera[1] = gl;
 }
 
-void Renderer::SelectVisible(const Frustum& frustum, const Eigen::Vector3d& eye) {
+/// Takes what is hidden out of order_.
+void Renderer::LeaveOutHidden(const Pose& X_WC, const CameraModel& camera) {
+  const auto rotation = [](const mjvGeom& geom) -> Eigen::Matrix3d {
+    return Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(geom.mat).cast<double>();
+  };
+  const auto position = [](const mjvGeom& geom) -> Eigen::Vector3d {
+    return Eigen::Map<const Eigen::Vector3f>(geom.pos).cast<double>();
+  };
+  Cover cover(X_WC, camera, options_.near_m);
+  for (const auto& [reach, index] : order_) {
+    const mjvGeom& geom = geoms_[size_t(index)];
+    if (geom.objtype != mjOBJ_GEOM || !extents_[size_t(geom.objid)].has_core) continue;
+    // From within, or cut open by the near plane, a surface hides nothing.
+    if (reach <= 2 * geom.modelrbound + 10 * options_.near_m) continue;
+    const Eigen::Matrix3d R = rotation(geom);
+    std::array<Cover::Disc, 2> core = extents_[size_t(geom.objid)].core;
+    for (Cover::Disc& disc : core) disc = {R * disc.center + position(geom), R * disc.a, R * disc.b};
+    cover.Add(core);
+  }
+  std::erase_if(order_, [&](const std::pair<float, int>& entry) {
+    const mjvGeom& geom = geoms_[size_t(entry.second)];
+    if (geom.objtype != mjOBJ_GEOM || geom.type != mjGEOM_MESH) return false;
+    const GeomExtent& extent = extents_[size_t(geom.objid)];
+    return cover.HidesBox(Pose(rotation(geom), position(geom)), extent.low, extent.high);
+  });
+}
+
+/// Roughly front to back: occluded fragments are then rejected by the depth test before shading. What belongs to one
+/// body stays together, to be labelled at once.
+void Renderer::SortByBodies() {
+  for (const auto& [reach, index] : order_) {
+    float& nearest = reach_of_[size_t(geoms_[size_t(index)].segid)];
+    nearest = std::min(nearest, reach);
+  }
+  for (auto& [reach, index] : order_) {
+    const int body = geoms_[size_t(index)].segid;
+    if (body > 0) reach = reach_of_[size_t(body)];
+  }
+  for (const auto& [reach, index] : order_) {
+    reach_of_[size_t(geoms_[size_t(index)].segid)] = std::numeric_limits<float>::infinity();
+  }
+  std::sort(order_.begin(), order_.end());
+}
+
+/// Bodies beyond those that have labels of their own share the last one.
+void Renderer::AddLabel(int body) {
+  int& label = label_of_[size_t(body)];
+  if (label == 0 && body != 0) {
+    label = std::min(int(labels_.size()), kSharedLabel);
+    if (label < kSharedLabel) labels_.push_back(body);
+  }
+  mjvGeom& geom = scene_.geoms[scene_.ngeom++];
+  geom = mjvGeom();
+  geom.type = mjGEOM_MESH;
+  geom.objtype = mjOBJ_UNKNOWN;
+  geom.category = mjCAT_DECOR;
+  geom.texid = -1;
+  geom.dataid = int(label_lists_ - unsigned(context_.baseMesh)) + label;
+  std::fill(geom.rgba, geom.rgba + 4, 1.f);
+  for (int k = 0; k < 9; k += 4) geom.mat[k] = 1;
+}
+
+void Renderer::SelectVisible(const Pose& X_WC, const CameraModel& camera, bool labelled) {
+  const Frustum frustum(X_WC, camera, options_.near_m);
   order_.clear();
   for (size_t i = 0; i < geoms_.size(); ++i) {
     // Geometry outside the frustum may still cast a shadow into it.
     if (!options_.shadows && !frustum.MaySee(geoms_[i])) continue;
-    order_.emplace_back(ReachFrom(geoms_[i], eye), int(i));
+    order_.emplace_back(ReachFrom(geoms_[i], X_WC.translation), int(i));
   }
-  // Roughly front to back: occluded fragments are then rejected by the depth test before shading.
-  std::sort(order_.begin(), order_.end());
+  if (has_cores_ && !options_.shadows) LeaveOutHidden(X_WC, camera);
+  SortByBodies();
+  shows_moving_ =
+      std::any_of(order_.begin(), order_.end(), [&](const auto& at) { return geoms_[at.second].segid > 0; });
+  std::fill(label_of_.begin(), label_of_.end(), 0);
+  labels_.assign(1, 0);
   scene_.ngeom = 0;
-  for (const auto& [reach, index] : order_) scene_.geoms[scene_.ngeom++] = geoms_[index];
+  int body = 0;
+  for (const auto& [reach, index] : order_) {
+    const mjvGeom& geom = geoms_[size_t(index)];
+    if (labelled && geom.segid != body) AddLabel(geom.segid);
+    body = geom.segid;
+    scene_.geoms[scene_.ngeom++] = geom;
+  }
+}
+
+int Renderer::CountPeople(const Pose& X_WC, const CameraModel& camera) {
+  const int first = FirstPersonBody(model_);
+  if (first == model_->nbody) return 0;
+  SelectVisible(X_WC, camera, false);
+  return int(std::count_if(order_.begin(), order_.end(),
+                           [&](const auto& at) { return geoms_[size_t(at.second)].segid >= first; }));
 }
 
 void Renderer::Draw(mjData& data, const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px,
-                    int finer) {
+                    int finer, bool labelled) {
   GAITCAM_ASSERT(!geoms_.empty() || model_->ngeom == 0);
   Reserve(camera.width_px, camera.height_px);
   viewport_ = {0, 0, camera.width_px, camera.height_px};
   SetCamera(X_WC, camera, shift_px);
   if (follows_camera_) Update(data);
   mjv_makeLights(model_, &data, &scene_);
-  SelectVisible(Frustum(X_WC, camera, options_.near_m), X_WC.translation);
+  SelectVisible(X_WC, camera, labelled);
+  shot_ = {X_WC, camera, shift_px, labelled};
+  depth_is_read_ = false;
   mjr_setBuffer(mjFB_OFFSCREEN, &context_);
   constexpr GLenum kTextureFilterControl = 0x8500;  // OpenGL 1.4
   gl_->SetTextureEnvironment(kTextureFilterControl, GL_TEXTURE_LOD_BIAS, float(std::log2(finer)));
+  if (labelled && shows_moving_) {
+    gl_->Enable(GL_STENCIL_TEST);
+    gl_->StencilFunc(GL_ALWAYS, 0, 0xff);
+    gl_->StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+    gl_->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);  // MuJoCo clears no stencil
+  }
   mjr_render(viewport_, &scene_, &context_);
+  gl_->Disable(GL_STENCIL_TEST);
 }
 
 void Renderer::ReadColor(cv::Mat& bgrx_bottom_up) {
@@ -258,10 +409,16 @@ void Renderer::ReadColor(cv::Mat& bgrx_bottom_up) {
   gl_->ReadPixels(0, 0, viewport_.width, viewport_.height, GL_BGRA, GL_UNSIGNED_BYTE, bgrx_bottom_up.data);
 }
 
-cv::Mat Renderer::ReadNearness() {
+void Renderer::ReadDepth() {
+  if (depth_is_read_) return;
   depth_stencil_.create(viewport_.height, viewport_.width, CV_32SC1);
   gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl_->ReadPixels(0, 0, viewport_.width, viewport_.height, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, depth_stencil_.data);
+  depth_is_read_ = true;
+}
+
+cv::Mat Renderer::ReadNearness() {
+  ReadDepth();
   // A perspective projection stores d = (1/n - 1/z) / (1/n - 1/f), here in the upper 24 bits.
   cv::Mat nearness(depth_stencil_.size(), CV_32FC1);
   const double inverse_near = 1 / options_.near_m, step = (inverse_near - 1 / options_.far_m) / kFarthest;
@@ -272,13 +429,42 @@ cv::Mat Renderer::ReadNearness() {
   return nearness;
 }
 
-cv::Mat Renderer::Bodies(mjData& data, const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px) {
+cv::Mat Renderer::Bodies(mjData& data) {
+  GAITCAM_ASSERT(shot_.labelled);
+  if (!shows_moving_) return cv::Mat(viewport_.height, viewport_.width, CV_32SC1, cv::Scalar(0));
+  // MuJoCo draws what is transparent last, when all labels were called.
+  const bool transparent = std::any_of(scene_.geoms, scene_.geoms + scene_.ngeom,
+                                       [](const mjvGeom& geom) { return geom.transparent && geom.segid > 0; });
+  if (transparent) return DrawBodies(data, 0);
+  ReadDepth();
+  cv::Mat bodies(depth_stencil_.size(), CV_32SC1);
+  bool shared = false;
+  labels_.resize(kSharedLabel + 1, -1);
+  for (int row = 0; row < bodies.rows; ++row) {
+    const uint32_t* from = depth_stencil_.ptr<uint32_t>(bodies.rows - 1 - row);
+    int* to = bodies.ptr<int>(row);
+    for (int col = 0; col < bodies.cols; ++col) {
+      to[col] = labels_[from[col] & 0xff];
+      shared |= to[col] < 0;
+    }
+  }
+  if (shared) DrawBodies(data, kSharedLabel).copyTo(bodies, bodies < 0);
+  return bodies;
+}
+
+/// As a picture in which every body has a colour of its own. @param label of those that are drawn; 0: all.
+cv::Mat Renderer::DrawBodies(mjData& data, int label) {
+  const Shot shot = shot_;
+  const std::vector<int> labels = label_of_;
+  const std::vector<mjvGeom> geoms = geoms_;
+  if (label > 0) std::erase_if(geoms_, [&](const mjvGeom& geom) { return labels[size_t(geom.segid)] != label; });
   const mjtByte skybox = scene_.flags[mjRND_SKYBOX];
   scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = 1;
   scene_.flags[mjRND_SKYBOX] = 0;
-  Draw(data, X_WC, camera, shift_px);
+  Draw(data, shot.X_WC, shot.camera, shot.shift_px);
   scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = 0;
   scene_.flags[mjRND_SKYBOX] = skybox;
+  geoms_ = geoms;
   cv::Mat bgrx, bodies(viewport_.height, viewport_.width, CV_32SC1);
   ReadColor(bgrx);
   for (int row = 0; row < bodies.rows; ++row) {
@@ -298,11 +484,6 @@ cv::Mat Renderer::Picture(mjData& data, const Pose& X_WC, const CameraModel& cam
   cv::Mat bgrx;
   ReadColor(bgrx);
   return EncodeSrgb(MeanLight(bgrx, finer));
-}
-
-bool Renderer::SeesMovingBodies(const Pose& X_WC, const CameraModel& camera) const {
-  const Frustum frustum(X_WC, camera, options_.near_m);
-  return std::any_of(moving_.begin(), moving_.end(), [&](int i) { return frustum.MaySee(geoms_[i]); });
 }
 
 CameraModel Finer(const CameraModel& camera, int finer, int margin_px) {

@@ -1,7 +1,8 @@
 /// Images of a MuJoCo model by a pinhole camera: MuJoCo's OpenGL renderer with exact intrinsics.
 ///
 /// A sub-frame of an exposure costs one call of Move and one of Draw. Geometry that does not move is copied once, and
-/// geometry outside the view frustum is culled before it reaches OpenGL; MuJoCo's own loop does neither.
+/// geometry outside the view frustum, or hidden by geometry with a solid core (kCoreNumbers), is culled before it
+/// reaches OpenGL; MuJoCo's own loop does neither.
 ///
 /// Anti-aliasing is the caller's: it averages finer pictures, or such as are shifted by parts of a pixel, in linear
 /// light. OpenGL's own multisampling averages display values, which makes thin bright things too dark, and costs as
@@ -55,21 +56,27 @@ class Renderer {
   /// @param shift_px offset of the sampling point from the pixel centre, for anti-aliasing.
   /// @param finer how many pixels of this picture make one of the image, in a row: textures are then filtered for the
   /// image's pixels.
+  /// @param labelled if bodies are to be told apart: see Bodies().
   /// @pre camera.fx == camera.fy, no distortion, Update was called before.
   void Draw(mjData& data, const Pose& X_WC, const CameraModel& camera,
-            const Eigen::Vector2d& shift_px = Eigen::Vector2d::Zero(), int finer = 1);
+            const Eigen::Vector2d& shift_px = Eigen::Vector2d::Zero(), int finer = 1, bool labelled = false);
   /// The picture just drawn: CV_8UC4, BGR and an unused byte, display (sRGB) values, BOTTOM row first as OpenGL has it.
   void ReadColor(cv::Mat& bgrx_bottom_up);
 
   /// Reciprocal depth of the picture just drawn, along the optical axis: CV_32FC1, 1/m, row 0 on top; 0 where nothing
   /// is.
   cv::Mat ReadNearness();
-  /// Which body each pixel sees, CV_32SC1, row 0 on top; 0 for the world and for nothing.
-  /// @param shift_px as Draw() takes it.
-  cv::Mat Bodies(mjData& data, const Pose& X_WC, const CameraModel& camera,
-                 const Eigen::Vector2d& shift_px = Eigen::Vector2d::Zero());
-  /// Whether any geom of a moving body can be in the picture (by its bounding box, so perhaps hidden).
-  bool SeesMovingBodies(const Pose& X_WC, const CameraModel& camera) const;
+  /// Of how many pieces of people a picture would consist. @pre Update was called before.
+  int CountPeople(const Pose& X_WC, const CameraModel& camera);
+  /// Of how many pieces the picture just drawn consists.
+  int drawn() const { return scene_.ngeom; }
+  /// Whether any geom of a moving body can be in the picture just drawn (by its bounding box, so perhaps hidden).
+  bool ShowsMovingBodies() const { return shows_moving_; }
+  /// Which body each pixel of the picture just drawn sees, CV_32SC1, row 0 on top; 0 for the world and for nothing.
+  /// Costs next to nothing after ReadNearness(). Where more than 254 bodies are in view, those behind the nearest 254
+  /// are drawn anew, in place of the picture.
+  /// @pre it was drawn labelled.
+  cv::Mat Bodies(mjData& data);
 
   /// One instant as a picture, CV_8UC3 (BGR), row 0 on top; a pixel is the mean of `finer` x `finer` samples. Calls
   /// Update.
@@ -78,12 +85,19 @@ class Renderer {
  private:
   struct Gl;
   struct Frustum;
+  struct GeomExtent;
 
   /// The first time; then makes another size of buffers for the one that is there.
   void MakeContext(int width_px, int height_px);
+  void MakeLabels();
   void ResizeBuffers(int width_px, int height_px);
   void SetCamera(const Pose& X_WC, const CameraModel& camera, const Eigen::Vector2d& shift_px);
-  void SelectVisible(const Frustum& frustum, const Eigen::Vector3d& eye);
+  void SelectVisible(const Pose& X_WC, const CameraModel& camera, bool labelled);
+  void AddLabel(int body);
+  void SortByBodies();
+  cv::Mat DrawBodies(mjData& data, int label);
+  void ReadDepth();
+  void LeaveOutHidden(const Pose& X_WC, const CameraModel& camera);
 
   const mjModel* model_;
   RendererOptions options_;
@@ -91,12 +105,26 @@ class Renderer {
   mjvOption visual_;
   mjvScene scene_;
   mjrContext context_;
+  std::vector<GeomExtent> extents_;  ///< By geom of the model.
+  bool has_cores_ = false;
   std::vector<mjvGeom> geoms_;  ///< All that is visible from somewhere; scene_.geoms holds what is in the picture.
   std::vector<std::pair<float, int>> order_;  ///< What is in the picture: how far it reaches, and its index.
   std::vector<int> moving_;                   ///< Indices into geoms_.
   bool follows_camera_ = false;               ///< An infinite plane is centred anew under each camera.
+  unsigned label_lists_ = 0;                  ///< The first of OpenGL's display lists that set a label.
+  std::vector<int> labels_;      ///< Which body each label means in the picture last drawn; the first, the world.
+  std::vector<int> label_of_;    ///< By body; 0: none yet.
+  std::vector<float> reach_of_;  ///< By body: scratch of SortByBodies.
+  bool shows_moving_ = false;
+  struct Shot {
+    Pose X_WC;
+    CameraModel camera;
+    Eigen::Vector2d shift_px{0, 0};
+    bool labelled = false;
+  } shot_;  ///< Last drawn.
   mjrRect viewport_{0, 0, 0, 0};
-  cv::Mat depth_stencil_;  ///< Last read.
+  bool depth_is_read_ = false;  ///< Of the picture last drawn.
+  cv::Mat depth_stencil_;       ///< Last read; the stencil is the label.
 };
 
 /// Puts pictures in the place of the pixels that the model's textures have. @pre the context is current.

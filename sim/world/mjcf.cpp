@@ -147,7 +147,8 @@ class MjcfWriter {
     root_->SetAttribute("model", robot_.name.c_str());
     document_.InsertEndChild(root_);
     Add(root_, "compiler", {{"angle", "radian"}, {"autolimits", "true"}});
-    Add(root_, "size", {{"njmax", "800"}, {"nconmax", "150"}});
+    XMLElement* size = Add(root_, "size", {{"njmax", "800"}, {"nconmax", "150"}});
+    if (!scene_.people.empty()) Set(size, {{"nuser_geom", std::to_string(kCoreNumbers)}});
     Add(root_, "option",
         {{"timestep", Text(physics_.timestep_ms * 1e-3)},
          {"integrator", "Euler"},
@@ -302,6 +303,11 @@ class MjcfWriter {
           Add(bodies[size_t(surface.part)], "geom",
               {{"type", "mesh"}, {"mesh", mesh}, {"material", material}, {"rgba", Text(rgb) + " 1"}, {"group", "0"}});
       SetCollision(geom, Collides::kNever);
+      std::string core;
+      for (const SolidCore::Disc& end : surface.core.ends) {
+        for (const Eigen::Vector3d& v : {end.center, end.a, end.b}) core += (core.empty() ? "" : " ") + Text(v);
+      }
+      Set(geom, {{"user", core}});
     }
   }
 

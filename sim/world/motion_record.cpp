@@ -4,6 +4,15 @@
 #include "sim/world/world.h"
 
 namespace gaitcam {
+namespace {
+
+void UpdateKinematics(const mjModel* model, mjData* data) {
+  mj_kinematics(model, data);
+  mj_comPos(model, data);
+  mj_camlight(model, data);
+}
+
+}  // namespace
 
 void MotionRecord::Append(PhysicsState state) {
   GAITCAM_ASSERT(states_.empty() || state.stamp_ns > states_.back().stamp_ns);
@@ -26,7 +35,7 @@ void PosePeople(const mjModel* model, const std::vector<PersonWalk>& people, int
   }
 }
 
-void MotionRecord::Evaluate(const mjModel* model, int64_t stamp_ns, mjData* data) const {
+void MotionRecord::PutRobot(const mjModel* model, int64_t stamp_ns, mjData* data) const {
   GAITCAM_ASSERT(!states_.empty() && stamp_ns >= first_stamp_ns() && stamp_ns <= last_stamp_ns());
   const auto later = std::upper_bound(states_.begin(), states_.end(), stamp_ns,
                                       [](int64_t stamp, const PhysicsState& s) { return stamp < s.stamp_ns; });
@@ -37,10 +46,20 @@ void MotionRecord::Evaluate(const mjModel* model, int64_t stamp_ns, mjData* data
     mj_integratePos(model, data->qpos, later->qvel.data(), 1e-9 * double(stamp_ns - before.stamp_ns));
   }
   data->time = 1e-9 * double(stamp_ns);
+}
+
+void MotionRecord::Evaluate(const mjModel* model, int64_t stamp_ns, mjData* data) const {
+  PutRobot(model, stamp_ns, data);
   if (people_) PosePeople(model, *people_, stamp_ns, data);
-  mj_kinematics(model, data);
-  mj_comPos(model, data);
-  mj_camlight(model, data);
+  UpdateKinematics(model, data);
+}
+
+void MotionRecord::EvaluateRobot(const mjModel* model, int64_t stamp_ns, mjData* data) const {
+  PutRobot(model, stamp_ns, data);
+  mjModel alone = *model;  // people come last; only this shallow copy is shorter
+  alone.nbody = FirstPersonBody(model);
+  if (alone.nbody < model->nbody) alone.ngeom = model->body_geomadr[alone.nbody];
+  UpdateKinematics(&alone, data);
 }
 
 }  // namespace gaitcam

@@ -73,11 +73,20 @@ class MotionRecord {
   /// Puts `data` into the configuration at `stamp_ns`, people included, and updates kinematics, cameras and lights.
   /// @pre the stamp lies within the record.
   void Evaluate(const mjModel* model, int64_t stamp_ns, mjData* data) const;
+  /// The same, but people's bodies stay where they are in `data`: a crowd takes far longer than a robot.
+  void EvaluateRobot(const mjModel* model, int64_t stamp_ns, mjData* data) const;
+  /// Null if none were set.
+  const std::vector<PersonWalk>* people() const { return people_.get(); }
 
  private:
+  void PutRobot(const mjModel* model, int64_t stamp_ns, mjData* data) const;
+
   std::deque<PhysicsState> states_;
   std::shared_ptr<const std::vector<PersonWalk>> people_;
 };
+
+/// The bodies from this number on are people's parts: kPersonParts of each person, in the order of PersonPart.
+inline int FirstPersonBody(const mjModel* model) { return model->nbody - model->nmocap; }
 
 /// Puts people where they are at an instant; their bodies move with the next kinematics.
 void PosePeople(const mjModel* model, const std::vector<PersonWalk>& people, int64_t stamp_ns, mjData* data);
@@ -88,6 +97,10 @@ struct TexturePicture {
   std::string texture;
   std::function<cv::Mat()> make;  ///< CV_8UC3 (BGR), row 0 on top.
 };
+
+/// What a model's geom may carry as user data: a solid core that lies within its shape, in the frame of its body, m.
+/// It spans two elliptical discs, each written as its centre and two half axes. Nothing, or zeros: there is none.
+constexpr int kCoreNumbers = 18;
 
 /// MJCF of a robot in a scene, with the meshes that it refers to, and the pictures of its textures.
 struct MjcfBundle {

@@ -11,6 +11,14 @@
 
 namespace gaitcam {
 
+/// Two elliptical discs and all between them; empty if their axes are zero.
+struct SolidCore {
+  struct Disc {
+    Eigen::Vector3d center{0, 0, 0}, a{0, 0, 0}, b{0, 0, 0};  ///< Half axes, m.
+  };
+  std::array<Disc, 2> ends;
+};
+
 /// A closed triangle mesh of one colour in the frame of its part; faces are counter-clockwise seen from outside.
 struct PersonSurface {
   PersonPart part = PersonPart::kHips;
@@ -19,6 +27,7 @@ struct PersonSurface {
   std::vector<Eigen::Vector3d> vertices, normals;
   std::vector<Eigen::Vector2d> texcoords;  ///< In repeats of the cloth, whose row 0 is at 0.
   std::vector<std::array<int, 3>> faces;
+  SolidCore core;  ///< Lies within the surface: whatever it hides, the surface hides.
 };
 
 /// @param cloth_size_m size of one repeat of the cloth's texture.

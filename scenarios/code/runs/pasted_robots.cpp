@@ -84,7 +84,8 @@ std::vector<RobotPicture> PictureRobot(const Robot& robot, const Scene& scene, c
   for (int side = 0; side < kSides; ++side) {
     const Pose X_WV = LookAt({0, 0, eye_height_m}, kDistance_m, side * 2 * std::numbers::pi / kSides, 0);
     const cv::Mat bgr = renderer.Picture(*world.data(), X_WV, camera, 2);
-    pictures.push_back(Cropped(bgr, renderer.Bodies(*world.data(), X_WV, camera) > 0));
+    renderer.Draw(*world.data(), X_WV, camera, Eigen::Vector2d::Zero(), 1, true);
+    pictures.push_back(Cropped(bgr, renderer.Bodies(*world.data()) > 0));
   }
   return pictures;
 }

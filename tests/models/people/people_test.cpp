@@ -188,6 +188,40 @@ TEST(People, SurfacesAreClosedAndAsTallAsThePerson) {
   EXPECT_NEAR(high, 1.6, 0.03);
 }
 
+/// How often a closed surface winds about a point: 1 inside, 0 outside (A. Van Oosterom and J. Strackee, "The solid
+/// angle of a plane triangle", 1983).
+double Winding(const PersonSurface& surface, const Eigen::Vector3d& point) {
+  double angle = 0;
+  for (const auto& [i, j, k] : surface.faces) {
+    const Eigen::Vector3d a = surface.vertices[i] - point, b = surface.vertices[j] - point,
+                          c = surface.vertices[k] - point;
+    const double x = a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() + b.dot(c) * a.norm() + c.dot(a) * b.norm();
+    angle += 2 * std::atan2(a.dot(b.cross(c)), x);
+  }
+  return angle / (4 * M_PI);
+}
+
+TEST(People, CoresLieWithinTheirSurfacesAndFillTheLimbs) {
+  PersonOptions person;
+  person.path = {{0, 0}};
+  int limbs = 0;
+  for (const PersonSurface& surface : PersonSurfaces(person, {0.64, 0.64})) {
+    const auto& [from, to] = surface.core.ends;
+    for (int step = 0; step <= 20; ++step) {
+      const double part = 0.001 + 0.998 * step / 20;  // not in the caps themselves
+      for (int i = 0; i < 24; ++i) {
+        const double angle = 2 * M_PI * i / 24;
+        const Eigen::Vector3d low = from.center + std::cos(angle) * from.a + std::sin(angle) * from.b;
+        const Eigen::Vector3d high = to.center + std::cos(angle) * to.a + std::sin(angle) * to.b;
+        EXPECT_GT(Winding(surface, low + part * (high - low)), 0.5) << int(surface.part) << " " << step << " " << i;
+      }
+    }
+    const bool leg = surface.part >= PersonPart::kLeftThigh && surface.part <= PersonPart::kRightShank;
+    limbs += leg && (to.center - from.center).norm() > 0.2 && from.a.norm() > 0.04 && to.b.norm() > 0.04;
+  }
+  EXPECT_EQ(limbs, 4);
+}
+
 std::string PeopleError(const std::string& people) {
   const TemporaryFolder folder;
   const std::string floor =

@@ -71,6 +71,8 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"localisation --set duration=1", "duration"},
                                         {"speed nowhere", "nowhere"},
                                         {"speed --frames 0", "--frames: 0 is not permitted"},
+                                        {"speed --only crowds", "--only: \"crowds\" is not permitted"},
+                                        {"speed --only quick_start", "--before"},
                                         {"tracking_time nowhere", "nowhere"},
                                         {"tracking_time --system mobif_v", "mobif_v"},
                                         {"walking --robot khr1v", "khr1v"},
@@ -96,6 +98,16 @@ TEST_F(ExperimentProgramTest, ATableNamesTheCommandThatMakesItAgain) {
   EXPECT_EQ(made_by[1], "features shifted --detector sift --seed 3 --out first/table.md");
   ASSERT_EQ(Run(made_by[1].str() + " -q").exit_code, 0);
   EXPECT_EQ(ReadText(File("first/table.md")), table);
+}
+
+TEST_F(ExperimentProgramTest, SpeedMeasuresOnlyTheSectionsThatAreWanted) {
+  const ProgramResult result = Run("speed --only crowd --people 1 --frames 1 --out speed.md -q");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string table = ReadText(File("speed.md"));
+  EXPECT_THAT(table, HasSubstr("gaitcam experiment speed --only crowd --frames 1 --people 1"));
+  EXPECT_THAT(table, HasSubstr("\n## A crowd\n"));
+  EXPECT_THAT(table, HasSubstr("| lab_loop, 1 people |"));
+  EXPECT_EQ(table.find("\n## "), table.rfind("\n## ")) << table;
 }
 
 TEST(ExperimentCommand, NamesWhatDiffersFromTheDefaultsAndNoUsersFolder) {

@@ -202,8 +202,12 @@ TEST_F(StudyTest, AFullDiskIsOneLineAndLeavesNothingHalfWritten) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
+// The first has a hundred walks to do, far more than the three seconds for which the second waits for its lock.
 TEST_F(StudyTest, TwoStudiesInOneFolderDoNotMix) {
   setenv("GAITCAM_DATA", TestData().c_str(), 1);
+  std::string seeds;
+  for (int seed = 1; seed <= 100; ++seed) seeds += std::to_string(seed) + ", ";
+  Write("study.yaml", "base: walk.yaml\naxes:\n  system: [orb_vo]\nseeds: [" + seeds + "]\n");
   Subprocess first({Program(), "study", Path("study.yaml").string(), "--out", Path("out").string(), "--cache",
                     Path("cache").string(), "-q", "-j", "1"},
                    Path("said"));

@@ -364,7 +364,8 @@ TEST(Exposure, WhereSurfacesMoveFarAgainstEachOtherAllIsRendered) {
   const Flight turn = ConstantTwist(LookingAlongX({0, 0, 0}), {0, 0, 0}, {0, 3, 0});
   const ExposedFrame frame = film.Expose(Noiseless(), turn), plain = film.Expose(Plain(Noiseless()), turn);
   EXPECT_EQ(frame.truth.renders, int(frame.truth.subframes.size()));
-  EXPECT_EQ(cv::norm(frame.image.pixels, plain.image.pixels, cv::NORM_INF), 0);
+  // Sub-frames are chosen by depth and bodies at the middle, here seen in a finer picture: by a hair at other instants.
+  EXPECT_LE(cv::norm(frame.image.pixels, plain.image.pixels, cv::NORM_INF), 1);
 }
 
 TEST(Exposure, PlainIntegrationRendersEverySubframe) {

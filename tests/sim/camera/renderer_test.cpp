@@ -191,12 +191,14 @@ TEST(Renderer, KnowsWhichBodyAPixelSees) {
   // The flyer is at the origin with the world's axes, so its box stands at (0.1, 0, 1): look up at it, then away.
   const Pose up(Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero());
   stage.renderer.Update(*stage.data);
-  EXPECT_TRUE(stage.renderer.SeesMovingBodies(up, camera));
-  const cv::Mat bodies = stage.renderer.Bodies(*stage.data, up, camera);
+  stage.renderer.Draw(*stage.data, up, camera, Eigen::Vector2d::Zero(), 1, true);
+  EXPECT_TRUE(stage.renderer.ShowsMovingBodies());
+  const cv::Mat bodies = stage.renderer.Bodies(*stage.data);
   const Eigen::Vector2d box = *camera.Project({0.1, 0, 1});
   EXPECT_EQ(bodies.at<int>(int(box.y() + 0.5), int(box.x() + 0.5)), flyer);
   EXPECT_EQ(bodies.at<int>(0, 0), 0);
-  EXPECT_FALSE(stage.renderer.SeesMovingBodies(LookingAlongX({0, 0, 0}), camera));
+  stage.renderer.Draw(*stage.data, LookingAlongX({0, 0, 0}), camera);
+  EXPECT_FALSE(stage.renderer.ShowsMovingBodies());
 }
 
 TEST(Renderer, WhatMovesIsSeenWhereItIsNow) {

@@ -89,6 +89,31 @@ TEST(People, AreWhereTheyWalkAtAnyInstantOfTheRecord) {
   EXPECT_EQ(Eigen::Map<const Eigen::Vector3d>(world.data()->xpos + 3 * shoe), now.translation);
 }
 
+TEST(People, ThoseThatAreSeenCanBePosedWithoutTheOthers) {
+  PersonOptions other = Crossing();
+  other.path = {{2, 1}, {2, -1}};
+  World world = Standing(With({Crossing(), other}));
+  SimulateUntil(world, 1);
+  const mjModel* model = world.model();
+  const MjDataPtr all(mj_makeData(model)), robot(mj_makeData(model));
+  const int64_t stamp = 700300001;
+  world.record().Evaluate(model, stamp, all.get());
+  world.record().EvaluateRobot(model, stamp, robot.get());
+  const SceneInstant whole = CaptureInstant(model, *all, 0, stamp);
+  SceneInstant part = CaptureInstant(model, *robot, 0, stamp, false);
+  const int first = FirstPersonBody(model), seen = first + kPersonParts + 3;
+  PoseSeenPeople(model, *world.record().people(), std::vector<int>{0, 1, seen}, part);
+  ASSERT_EQ(part.X_WB.size(), whole.X_WB.size());
+  const auto apart = [&](int body) {
+    const Pose X = part.X_WB[size_t(body)].Inverse() * whole.X_WB[size_t(body)];
+    return X.translation.norm() + (X.R() - Eigen::Matrix3d::Identity()).norm();
+  };
+  EXPECT_EQ(part.X_WC.translation, whole.X_WC.translation);
+  for (int body = 0; body < first; ++body) EXPECT_LT(apart(body), 1e-14) << body;  // rounding of the test's own
+  EXPECT_LT(apart(seen), 1e-12);  // MuJoCo normalises quaternions once more
+  EXPECT_GT(apart(seen + 1), 0.1);
+}
+
 /// One frame by a robot that stands, at an instant when the person is in the middle of the view.
 struct Shot {
   ExposedFrame frame;
