@@ -14,10 +14,12 @@ std::string ToString(TrackingStatus status) {
   return {};
 }
 
-Trajectory Estimate::ToTrajectory() const {
+Trajectory Estimate::ToTrajectory() const { return PosesOf(frames); }
+
+Trajectory PosesOf(const std::vector<FrameEstimate>& frames) {
   Trajectory trajectory;
   for (const FrameEstimate& frame : frames) {
-    if (frame.pose) trajectory.push_back({frame.stamp_ns, *frame.pose});
+    if (frame.pose) trajectory.push_back({frame.stamp_ns + frame.pose_delay_ns, *frame.pose});
   }
   return trajectory;
 }

@@ -29,7 +29,9 @@ struct FrameEstimate {
   /// Of the pose, where the system knows it: of tau = (rho, phi) in X_WC Exp(tau), translation first (se3.h), so given
   /// in the camera's frame; (unit of the pose)^2, unit rad, rad^2. Never without a pose.
   std::optional<Matrix6d> covariance;
-  bool restarted = false;  ///< True when W or its scale was chosen anew at this frame: a marked jump.
+  /// The pose is of so much later than the frame's stamp: an external program stamps its poses as it likes.
+  int64_t pose_delay_ns = 0;
+  bool restarted = false;  ///< The system says that it chose W or its scale anew at this frame. No score depends on it.
   int features = 0;        ///< Found in this frame.
   int inliers = 0;         ///< Of those, agreeing with the pose.
 };
@@ -40,18 +42,25 @@ struct FinalEstimate {
   std::vector<Map> maps;              ///< In the world of the poses; none of an odometry that keeps none.
   std::string failure;                ///< Why it stopped working, in one line; empty if it did not.
   bool keyframes_only = false;        ///< It gives poses of its key frames and of no others.
+  bool saw_all_first = false;         ///< It answered nothing before it had seen the whole film: nothing was said live.
 };
 
 /// All answers of one run, in frame order.
+///
+/// A system answers twice: live, at each frame, when it has seen nothing later; and finally, after the last frame.
 struct Estimate {
-  std::vector<FrameEstimate> frames;
-  std::vector<Map> maps;         ///< In the world of the poses.
-  std::string failure;           ///< Why the system stopped working, in one line; empty if it did not.
-  bool keyframes_only = false;   ///< Frames between key frames have no pose: coverage counts the key frames' span.
-  std::vector<double> track_ms;  ///< Wall time spent per frame; the one part that differs from run to run.
+  std::vector<FrameEstimate> frames;  ///< The final answer: the last word on each frame.
+  std::vector<FrameEstimate> live;    ///< The live answer to each frame; empty if there was none, or it is not known.
+  std::vector<Map> maps;              ///< In the world of the poses.
+  std::string failure;                ///< Why the system stopped working, in one line; empty if it did not.
+  bool keyframes_only = false;        ///< Frames between key frames have no pose: coverage counts the key frames' span.
+  std::vector<double> track_ms;       ///< Wall time spent per frame; the one part that differs from run to run.
 
-  /// The frames that have a pose.
+  /// The final answer's poses.
   Trajectory ToTrajectory() const;
 };
+
+/// The frames that have a pose, each pose at its own instant.
+Trajectory PosesOf(const std::vector<FrameEstimate>& frames);
 
 }  // namespace gaitcam

@@ -84,17 +84,25 @@ std::string Cards(const ReportInput& input) {
   std::string html = "<dl class=\"cards\">\n";
   if (HasPoses(input)) {
     const Scores& s = *input.scores;
+    const auto with_live = [&](const std::string& note, const std::string& name, double factor = 1) {
+      return s.live ? note + fmt::format("; live {}", ThreeDigits(factor * s.Value("live_" + name))) : note;
+    };
+    html += Card("Position error, Sim(3)", s.Value("ate_sim3_rmse_m"), "m",
+                 with_live(fmt::format("root mean square over {} m walked, scale given away",
+                                       ThreeDigits(s.Value("path_length_m"))),
+                           "ate_sim3_rmse_m"));
     html += Card(
-        "Position error, Sim(3)", s.Value("ate_sim3_rmse_m"), "m",
-        fmt::format("root mean square along {} m of path, scale given away", ThreeDigits(s.Value("path_length_m"))));
-    html += Card("Position error, SE(3)", s.Value("ate_rmse_m"), "m",
-                 fmt::format("with the estimate's own scale: {} of the true one", ThreeDigits(s.Value("scale_ratio"))));
-    html += Card("Drift", s.Value("drift_sim3_pct"), "%", "of the distance gone, scale corrected");
+        "Position error, SE(3)", s.Value("ate_rmse_m"), "m",
+        with_live(fmt::format("with the estimate's own scale, {} of the true one", ThreeDigits(s.Value("scale_ratio"))),
+                  "ate_rmse_m"));
+    html += Card("Drift", s.Value("drift_sim3_pct"), "%",
+                 with_live("of the path walked, scale corrected", "drift_sim3_pct"));
     html += Card("Rotation error", s.Value("ate_rot_own_rmse_deg"), "\u00b0",
-                 "root mean square after the best-fitting rotation");
-    html += Card(
-        "Coverage", 100 * s.Value("coverage_ratio"), "%",
-        fmt::format("{} of {} frames have a pose", ScoreText(s.Value("tracked_frames")), ScoreText(s.Value("frames"))));
+                 with_live("root mean square after the best-fitting rotation", "ate_rot_own_rmse_deg"));
+    html += Card("Coverage", 100 * s.Value("coverage_ratio"), "%",
+                 with_live(fmt::format("{} of {} frames have a pose", ScoreText(s.Value("tracked_frames")),
+                                       ScoreText(s.Value("frames"))),
+                           "coverage_ratio", 100));
     const double gain = s.Value("rotation_gain");
     html += Card("Rotation gain", gain, "",
                  std::isfinite(gain) ? "estimated over true total turn; 1 is right" : "the robot hardly turned");
@@ -135,8 +143,9 @@ std::string Paths(const ReportInput& input) {
   std::vector<KeyEntry> key = {{"truth", "truth (circle: start, diamond: end)"}};
   std::string heading;
   if (HasPoses(input)) {
-    key.push_back({"sim3", "estimate after Sim(3) alignment", "", "sim3"});
-    key.push_back({"se3", "after SE(3) alignment", "dashed", "se3"});
+    key.push_back({"sim3", "final estimate after Sim(3) alignment", "", "sim3"});
+    if (input.scores->live) key.push_back({"purple", "live, after its own Sim(3) alignment", "", "live"});
+    key.push_back({"se3", "final, after SE(3) alignment", "dashed", "se3"});
     heading = Panel("heading", "Turned about the vertical", {{"truth", "truth"}, {"sim3", "estimate"}}, 165);
   }
   const std::string head = "<h2>Path</h2>\n" + Key(key, "top side");
@@ -159,26 +168,31 @@ std::string OverTime(const ReportInput& input) {
   std::vector<KeyEntry> shades;
   const auto has = [&](TrackingStatus status) {
     return std::any_of(input.frames.begin(), input.frames.end(),
-                       [&](const ReportFrame& f) { return f.status == status; });
+                       [&](const ReportFrame& f) { return f.live == status; });
   };
-  if (has(TrackingStatus::kInitializing)) shades.push_back({"wait", "no pose yet", "area"});
-  if (has(TrackingStatus::kLost)) shades.push_back({"lost", "lost", "area"});
-  if (std::any_of(input.frames.begin(), input.frames.end(), [](const ReportFrame& f) { return f.restarted; })) {
-    shades.push_back({"bad", "world chosen anew", "dashed"});
+  if (has(TrackingStatus::kInitializing)) shades.push_back({"wait", "live: no map yet", "area"});
+  if (has(TrackingStatus::kLost)) shades.push_back({"lost", "live: lost", "area"});
+  if (HasPoses(input) && input.scores->Value(input.scores->live ? "live_jumps" : "jumps") > 0) {
+    shades.push_back({"bad", input.scores->live ? "live: jump" : "jump", "dashed"});
   }
   const auto with_shades = [&](std::vector<KeyEntry> key) {
     key.insert(key.end(), shades.begin(), shades.end());
     return key;
   };
   if (HasPoses(input)) {
-    html += Panel("error", "Position error",
-                  with_shades({{"sim3", "after Sim(3) alignment", "", "sim3"},
-                               {"se3", "after SE(3) alignment", "dashed", "se3"}}),
-                  230);
+    std::vector<KeyEntry> key = {{"sim3", "final, after Sim(3) alignment", "", "sim3"},
+                                 {"se3", "final, after SE(3) alignment", "dashed", "se3"}};
+    if (input.scores->live) key.insert(key.begin() + 1, {"purple", "live, after Sim(3) alignment", "", "live"});
+    html += Panel("error", "Position error", with_shades(key), 230);
     html += Panel("rotation", "Rotation error",
                   with_shades({{"purple", "after the rotation that fits orientations best", "", "own"},
                                {"se3", "after alignment of positions", "dashed", "rot"}}),
                   180);
+  }
+  if (internal::HasCovariances(input)) {
+    html +=
+        Panel("nees", "Squared error over stated covariance, per dimension: 1 is right",
+              with_shades({{"sim3", "NEES", "", "nees"}, {"truth", "95 % band of one pose", "dashed", "band"}}), 180);
   }
   if (!input.frames.empty()) {
     html += Panel("blur", "Motion blur: how far image points move during the exposure",
@@ -219,20 +233,23 @@ std::string ScoreTable(const ReportInput& input) {
   for (const std::string& remark : input.scores->remarks)
     html += "<p class=\"note\">Note: " + Escape(remark) + ".</p>\n";
   html +=
-      "<div class=\"panel scroll\"><table>\n<thead><tr><th>name</th><th style=\"text-align: right\">value</th>"
-      "<th>unit</th><th class=\"meaning\">meaning</th></tr></thead>\n<tbody>\n";
+      "<div class=\"panel scroll\"><table>\n<thead><tr><th>name</th><th style=\"text-align: right\">final</th>"
+      "<th style=\"text-align: right\">live</th><th>unit</th><th "
+      "class=\"meaning\">meaning</th></tr></thead>\n<tbody>\n";
   std::optional<ScoreGroup> group;
-  for (const std::vector<Score>* list : {&input.scores->scores, &input.scores->timing}) {
-    for (const Score& s : *list) {
-      if (s.group != group) {
-        html += fmt::format("<tr><th colspan=\"4\" scope=\"colgroup\">{}</th></tr>\n", Title(s.group));
-      }
-      group = s.group;
-      html += fmt::format(
-          "<tr><td><code>{}</code></td><td class=\"number\">{}</td><td class=\"unit\">{}</td><td "
-          "class=\"meaning\">{}</td></tr>\n",
-          Escape(s.name), std::isfinite(s.value) ? ScoreText(s.value) : "&ndash;", Escape(s.unit), Escape(s.meaning));
+  std::vector<ScoreRow> rows = JoinAnswers(input.scores->scores);
+  for (const Score& score : input.scores->timing) rows.push_back({score, std::nullopt});
+  const auto cell = [](double value) { return std::isfinite(value) ? ScoreText(value) : std::string("&ndash;"); };
+  for (const ScoreRow& row : rows) {
+    const Score& s = row.last;
+    if (s.group != group) {
+      html += fmt::format("<tr><th colspan=\"5\" scope=\"colgroup\">{}</th></tr>\n", Title(s.group));
     }
+    group = s.group;
+    html += fmt::format(
+        "<tr><td><code>{}</code></td><td class=\"number\">{}</td><td class=\"number\">{}</td><td "
+        "class=\"unit\">{}</td><td class=\"meaning\">{}</td></tr>\n",
+        Escape(s.name), cell(s.value), row.live ? cell(*row.live) : "", Escape(s.unit), Escape(s.meaning));
   }
   return html + "</tbody></table></div>\n";
 }

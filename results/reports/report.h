@@ -22,7 +22,8 @@ namespace gaitcam {
 
 /// One frame: what is true of it, and what the system said of it.
 struct ReportFrame : FrameTruth {
-  TrackingStatus status = TrackingStatus::kInitializing;
+  TrackingStatus status = TrackingStatus::kInitializing;  ///< Finally,
+  TrackingStatus live = TrackingStatus::kInitializing;    ///< and when the frame was answered; as above if not known.
   bool restarted = false;
   int features = 0, inliers = 0;
 };

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "algorithms/core/units.h"
+#include "results/scoring/consistency.h"
+#include "results/scoring/jumps.h"
 #include "results/scoring/metrics.h"
 #include "results/scoring/statistics.h"
 
@@ -56,14 +58,16 @@ Json PathsJson(const ReportInput& input) {
   Json json = {{"truth", PathJson(input.truth)}};
   json["side_axis"] = high.y() - low.y() > high.x() - low.x() ? "y" : "x";  // the side from which most is seen
   if (HasPoses(input)) {
-    json["sim3"] = PathJson(input.scores->aligned_sim3);
-    json["se3"] = PathJson(input.scores->aligned_se3);
+    json["sim3"] = PathJson(input.scores->last.aligned_sim3);
+    json["se3"] = PathJson(input.scores->last.aligned_se3);
+    if (input.scores->live) json["live"] = PathJson(input.scores->live->aligned_sim3);
   }
   return json;
 }
 
-Json ErrorsJson(const Scores& scores, const ReportClock& clock) {
-  const std::vector<PosePair>& pairs = scores.pairs;
+/// Columns over time; nulls where there was no pose for a while.
+Json ErrorsJson(const PoseErrors& errors, const ReportClock& clock) {
+  const std::vector<PosePair>& pairs = errors.pairs;
   Trajectory stamps;
   for (const PosePair& p : pairs) stamps.push_back({p.stamp_ns, p.truth});
   const double longest = 2.5 * UsualInterval(stamps);
@@ -74,22 +78,46 @@ Json ErrorsJson(const Scores& scores, const ReportClock& clock) {
       for (Json* column : {&se3, &sim3, &rot, &own}) column->push_back(nullptr);
     }
     t.push_back(Rounded(clock.Seconds(pairs[i].stamp_ns)));
-    se3.push_back(Rounded(scores.error_se3_m[i]));
-    sim3.push_back(Rounded(scores.error_sim3_m[i]));
-    rot.push_back(Rounded(scores.error_rot_deg[i]));
-    own.push_back(Rounded(scores.error_rot_own_deg[i]));
+    se3.push_back(Rounded(errors.error_se3_m[i]));
+    sim3.push_back(Rounded(errors.error_sim3_m[i]));
+    rot.push_back(Rounded(errors.error_rot_deg[i]));
+    own.push_back(Rounded(errors.error_rot_own_deg[i]));
   }
-  // Errors in a foreign scale would press those in the true one flat on the axis: left to a click.
-  const bool hide_se3 = scores.Value("ate_rmse_m") > 4 * scores.Value("ate_sim3_rmse_m");
-  const bool hide_rot = scores.Value("ate_rot_rmse_deg") > 4 * scores.Value("ate_rot_own_rmse_deg");
-  return {{"t", t},     {"se3", se3},           {"sim3", sim3},        {"rot", rot},
-          {"own", own}, {"hide_se3", hide_se3}, {"hide_rot", hide_rot}};
+  return {{"t", t}, {"se3", se3}, {"sim3", sim3}, {"rot", rot}, {"own", own}};
 }
 
-Json HeadingJson(const Scores& scores, const ReportClock& clock) {
-  const TurnCourse course = MeasureTurnCourse(scores.pairs);
-  const size_t n = scores.pairs.size();
-  return {{"t", Column(n, [&](size_t i) { return clock.Seconds(scores.pairs[i].stamp_ns); })},
+Json ErrorsOfBothJson(const Scores& scores, const ReportClock& clock) {
+  Json json = ErrorsJson(scores.last, clock);
+  // Errors in a foreign scale would press those in the true one flat on the axis: left to a click.
+  json["hide_se3"] = scores.Value("ate_rmse_m") > 4 * scores.Value("ate_sim3_rmse_m");
+  json["hide_rot"] = scores.Value("ate_rot_rmse_deg") > 4 * scores.Value("ate_rot_own_rmse_deg");
+  if (scores.live) json["live"] = ErrorsJson(*scores.live, clock);
+  return json;
+}
+
+/// When the scorer found jumps: of the live answer, or of the final one if that is all there is.
+Json JumpsJson(const Scores& scores, const ReportClock& clock) {
+  const PoseErrors& errors = scores.live ? *scores.live : scores.last;
+  Json json = Json::array();
+  for (const Jump& jump : FindJumps(Apply(errors.sim3.X_WV, errors.pairs))) {
+    json.push_back(Rounded(clock.Seconds(errors.pairs[jump.to].stamp_ns)));
+  }
+  return json;
+}
+
+Json NeesJson(const std::vector<PosePair>& pairs, const ReportClock& clock) {
+  const std::vector<NeesSample> samples = AbsoluteNees(pairs);
+  const size_t n = samples.size();
+  return {{"t", Column(n, [&](size_t i) { return clock.Seconds(samples[i].stamp_ns); })},
+          {"nees", Column(n, [&](size_t i) { return samples[i].nees; })},
+          {"low", Column(n, [&](size_t) { return kNeesLow; })},
+          {"high", Column(n, [&](size_t) { return kNeesHigh; })}};
+}
+
+Json HeadingJson(const std::vector<PosePair>& pairs, const ReportClock& clock) {
+  const TurnCourse course = MeasureTurnCourse(pairs);
+  const size_t n = pairs.size();
+  return {{"t", Column(n, [&](size_t i) { return clock.Seconds(pairs[i].stamp_ns); })},
           {"truth", Column(n, [&](size_t i) { return course.truth[i] * kDegPerRad; })},
           {"estimate", Column(n, [&](size_t i) { return course.estimate[i] * kDegPerRad; })}};
 }
@@ -125,7 +153,7 @@ std::vector<std::pair<double, double>> Spans(const std::vector<ReportFrame>& fra
 Json StatusSpansJson(const std::vector<ReportFrame>& frames, const ReportClock& clock) {
   Json json = Json::array();
   for (const TrackingStatus status : {TrackingStatus::kInitializing, TrackingStatus::kLost}) {
-    for (const auto& [from, to] : Spans(frames, clock, [&](const ReportFrame& f) { return f.status == status; })) {
+    for (const auto& [from, to] : Spans(frames, clock, [&](const ReportFrame& f) { return f.live == status; })) {
       json.push_back({Rounded(from), Rounded(to), ToString(status)});
     }
   }
@@ -162,6 +190,12 @@ ReportClock::ReportClock(const ReportInput& input) {
 }
 bool HasPoses(const ReportInput& input) { return input.scores && input.scores->HasPoses(); }
 
+bool HasCovariances(const ReportInput& input) {
+  if (!HasPoses(input)) return false;
+  const std::vector<PosePair>& pairs = input.scores->last.pairs;
+  return std::any_of(pairs.begin(), pairs.end(), [](const PosePair& pair) { return pair.covariance.has_value(); });
+}
+
 bool HasGait(const ReportInput& input) {
   return std::any_of(input.frames.begin(), input.frames.end(),
                      [](const ReportFrame& f) { return f.gait && (f.left_contact || f.right_contact); });
@@ -174,15 +208,13 @@ std::string ReportChartData(const ReportInput& input) {
   json["t_max"] = Rounded(clock.Seconds(clock.end_ns));
   json["path"] = PathsJson(input);
   if (HasPoses(input)) {
-    json["error"] = ErrorsJson(*input.scores, clock);
-    json["heading"] = HeadingJson(*input.scores, clock);
+    json["error"] = ErrorsOfBothJson(*input.scores, clock);
+    json["heading"] = HeadingJson(input.scores->last.pairs, clock);
+    if (HasCovariances(input)) json["nees"] = NeesJson(input.scores->last.pairs, clock);
   }
   json["frames"] = FramesJson(input.frames, clock);
   json["spans"] = StatusSpansJson(input.frames, clock);
-  json["restarts"] = Json::array();
-  for (const ReportFrame& f : input.frames) {
-    if (f.restarted) json["restarts"].push_back(Rounded(clock.Seconds(f.stamp_ns)));
-  }
+  json["jumps"] = HasPoses(input) ? JumpsJson(*input.scores, clock) : Json::array();
   if (HasGait(input)) json["gait"] = GaitJson(input.frames, clock);
   return json.dump();
 }

@@ -18,6 +18,7 @@ struct ReportClock {
 
 bool HasPoses(const ReportInput& input);
 bool HasGait(const ReportInput& input);
+bool HasCovariances(const ReportInput& input);
 
 /// JSON, as results/reports/page/report.js reads it: columns over time, paths, spans without a pose.
 std::string ReportChartData(const ReportInput& input);

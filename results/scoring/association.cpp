@@ -107,29 +107,33 @@ std::vector<IndexPair> Associate(const std::vector<int64_t>& truth_ns, const std
                                                    : OneToOne(truth_ns, shifted, tolerance);
 }
 
-std::vector<PosePair> AssociatePoses(const Estimate& estimate, const Trajectory& truth,
+std::vector<PosePair> AssociatePoses(const std::vector<FrameEstimate>& answer, const Trajectory& truth,
                                      const AssociationOptions& options) {
   CheckStampsIncrease(truth, "truth");
-  CheckStampsIncrease(estimate.ToTrajectory(), "estimate");
+  CheckStampsIncrease(PosesOf(answer), "estimate");
   std::vector<int64_t> truth_ns, estimate_ns;
   std::vector<const FrameEstimate*> posed;
-  std::vector<int> restarts_until;  // over all frames up to and including this posed one
-  int restarts = 0;
   for (const StampedPose& p : truth) truth_ns.push_back(p.stamp_ns);
-  for (const FrameEstimate& frame : estimate.frames) {
-    restarts += frame.restarted ? 1 : 0;
+  for (const FrameEstimate& frame : answer) {
     if (!frame.pose) continue;
-    estimate_ns.push_back(frame.stamp_ns);
+    estimate_ns.push_back(frame.stamp_ns + frame.pose_delay_ns);
     posed.push_back(&frame);
-    restarts_until.push_back(restarts);
   }
+  std::vector<int64_t> partner(posed.size(), -1);
+  for (const IndexPair& k : Associate(truth_ns, estimate_ns, options)) partner[k.estimate] = int64_t(k.truth);
+  const int64_t offset_ns = NanosecondsOf(options.time_offset_ms), max_gap_ns = NanosecondsOf(options.max_gap_ms);
   std::vector<PosePair> pairs;
-  int restarts_before = restarts_until.empty() ? 0 : restarts_until.front();  // the first world is no restart
-  for (const IndexPair& k : Associate(truth_ns, estimate_ns, options)) {
-    const int now = restarts_until[k.estimate];
-    pairs.push_back(
-        {truth_ns[k.truth], truth[k.truth].pose, *posed[k.estimate]->pose, !pairs.empty() && now > restarts_before});
-    restarts_before = now;
+  for (size_t i = 0; i < posed.size(); ++i) {
+    const FrameEstimate& frame = *posed[i];
+    const int64_t stamp_ns = estimate_ns[i] + offset_ns;
+    std::optional<Pose> there;
+    if (options.rule == AssociationRule::kInterpolated) there = SmoothPoseAt(truth, stamp_ns, max_gap_ns);
+    if (there) {
+      pairs.push_back({stamp_ns, *there, *frame.pose, frame.covariance});
+    } else if (partner[i] >= 0) {
+      const StampedPose& nearest = truth[size_t(partner[i])];
+      pairs.push_back({nearest.stamp_ns, nearest.pose, *frame.pose, frame.covariance});
+    }
   }
   return pairs;
 }

@@ -20,19 +20,19 @@ double TimeCoverage(const std::vector<PosePair>& pairs, const Trajectory& truth)
 
 }  // namespace
 
-Coverage MeasureCoverage(const Estimate& estimate, const Trajectory& truth, const std::vector<PosePair>& pairs,
-                         const std::vector<int64_t>& frame_stamps) {
+Coverage MeasureCoverage(const std::vector<FrameEstimate>& answer, bool keyframes_only, const Trajectory& truth,
+                         const std::vector<PosePair>& pairs, const std::vector<int64_t>& frame_stamps) {
   Coverage c;
   c.time_to_first_pose_s = kNaN;
   std::vector<int64_t> posed;
-  for (const FrameEstimate& frame : estimate.frames) {
+  for (const FrameEstimate& frame : answer) {
     if (frame.restarted && !posed.empty()) ++c.restarts;  // the first world is no restart
     if (frame.pose) posed.push_back(frame.stamp_ns);
   }
   c.tracked = posed.size();
   c.frames_known = !frame_stamps.empty();
   if (!c.frames_known) {
-    c.frames = estimate.frames.size();
+    c.frames = answer.size();
     c.ratio = TimeCoverage(pairs, truth);
     return c;
   }
@@ -45,10 +45,10 @@ Coverage MeasureCoverage(const Estimate& estimate, const Trajectory& truth, cons
   c.time_to_first_pose_s = SecondsBetween(frame_stamps.front(), posed.front());
   for (const int64_t stamp : frame_stamps) {
     if (std::binary_search(posed.begin(), posed.end(), stamp)) continue;
-    const bool is_between = estimate.keyframes_only && stamp > posed.front() && stamp < posed.back();
+    const bool is_between = keyframes_only && stamp > posed.front() && stamp < posed.back();
     if (!is_between) ++(stamp < posed.front() ? c.initializing : c.lost);
   }
-  if (estimate.keyframes_only) c.ratio = 1 - double(c.initializing + c.lost) / double(c.frames);
+  if (keyframes_only) c.ratio = 1 - double(c.initializing + c.lost) / double(c.frames);
   return c;
 }
 

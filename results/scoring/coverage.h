@@ -21,16 +21,15 @@ struct Coverage {
   size_t tracked = 0;               ///< With a pose.
   size_t initializing = 0;          ///< Before the first pose.
   size_t lost = 0;                  ///< Without a pose after the first one.
-  size_t restarts = 0;              ///< New worlds after the first.
+  size_t restarts = 0;              ///< New worlds after the first, as the system says; no other score depends on it.
   bool frames_known = false;
 };
 
-/// Of a system that gives poses of its key frames alone (Estimate::keyframes_only), frames between two of them count as
-/// covered.
+/// @param keyframes_only if so (Estimate::keyframes_only), frames between two poses count as covered.
 /// @param frame_stamps of all frames that the system was given, in order. Empty if they are unknown (two trajectory
 /// files are compared): then `ratio` is the part of the true time span in which successive pairs are no farther apart
 /// than 2.5 times their median distance.
-Coverage MeasureCoverage(const Estimate& estimate, const Trajectory& truth, const std::vector<PosePair>& pairs,
-                         const std::vector<int64_t>& frame_stamps);
+Coverage MeasureCoverage(const std::vector<FrameEstimate>& answer, bool keyframes_only, const Trajectory& truth,
+                         const std::vector<PosePair>& pairs, const std::vector<int64_t>& frame_stamps);
 
 }  // namespace gaitcam

@@ -12,6 +12,8 @@ std::string Title(ScoreGroup group) {
     case ScoreGroup::kDrift: return "Drift";
     case ScoreGroup::kScale: return "Scale";
     case ScoreGroup::kRotation: return "Turning";
+    case ScoreGroup::kJumps: return "Jumps and time";
+    case ScoreGroup::kConsistency: return "Stated uncertainty";
     case ScoreGroup::kMap: return "Map";
     case ScoreGroup::kLoops: return "Places and loops";
     case ScoreGroup::kTiming: return "Time and memory: differ from run to run";

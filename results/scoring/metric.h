@@ -17,7 +17,19 @@ namespace gaitcam {
 enum class Better { kLower, kHigher, kNearOne, kNearZero, kNeither };
 
 /// What a score is about; tables have a heading for each.
-enum class ScoreGroup { kCoverage, kAbsolute, kRelative, kDrift, kScale, kRotation, kMap, kLoops, kTiming };
+enum class ScoreGroup {
+  kCoverage,
+  kAbsolute,
+  kRelative,
+  kDrift,
+  kScale,
+  kRotation,
+  kJumps,
+  kConsistency,
+  kMap,
+  kLoops,
+  kTiming
+};
 
 /// A heading: "Absolute error".
 std::string Title(ScoreGroup group);

@@ -17,12 +17,18 @@ namespace {
 constexpr double kMinPath_m = 1e-6;
 
 /// Path length added by each pair, m; 0 for the first.
-std::vector<double> PathSteps(const std::vector<PosePair>& pairs, bool of_truth) {
+std::vector<double> PathSteps(const std::vector<PosePair>& pairs, RpePath path) {
   std::vector<double> steps(pairs.size(), 0.0);
+  std::vector<double> walked;
+  if (path == RpePath::kWalked) walked = WalkedPath(pairs);
   for (size_t i = 1; i < pairs.size(); ++i) {
-    const Eigen::Vector3d step = of_truth ? pairs[i].truth.translation - pairs[i - 1].truth.translation
-                                          : pairs[i].estimate.translation - pairs[i - 1].estimate.translation;
-    steps[i] = step.norm();
+    switch (path) {
+      case RpePath::kWalked: steps[i] = walked[i] - walked[i - 1]; break;
+      case RpePath::kTruth: steps[i] = (pairs[i].truth.translation - pairs[i - 1].truth.translation).norm(); break;
+      case RpePath::kEstimate:
+        steps[i] = (pairs[i].estimate.translation - pairs[i - 1].estimate.translation).norm();
+        break;
+    }
   }
   return steps;
 }
@@ -32,9 +38,6 @@ std::vector<double> Accumulate(const std::vector<double>& steps) {
   std::partial_sum(steps.begin(), steps.end(), sums.begin());
   return sums;
 }
-
-/// Length of the true path up to each pair, m.
-std::vector<double> TruePathSoFar(const std::vector<PosePair>& pairs) { return Accumulate(PathSteps(pairs, true)); }
 
 RelativeError ErrorBetween(const std::vector<PosePair>& pairs, size_t from, size_t to) {
   const Pose truth = pairs[from].truth.Inverse() * pairs[to].truth;
@@ -191,7 +194,7 @@ std::vector<RelativeError> RelativeErrors(const std::vector<PosePair>& pairs, co
     intervals = FrameIntervals(pairs.size(), options);
   } else {
     std::vector<double> steps(pairs.size(), 0.0);
-    if (options.unit == DeltaUnit::kMeters) steps = PathSteps(pairs, options.path_of_truth);
+    if (options.unit == DeltaUnit::kMeters) steps = PathSteps(pairs, options.path);
     for (size_t i = 1; i < pairs.size() && options.unit == DeltaUnit::kSeconds; ++i) {
       steps[i] = double(pairs[i].stamp_ns - pairs[i - 1].stamp_ns) * 1e-9;
     }
@@ -202,9 +205,9 @@ std::vector<RelativeError> RelativeErrors(const std::vector<PosePair>& pairs, co
   return errors;
 }
 
-Drift MeasureDrift(const std::vector<PosePair>& pairs) {
+Drift MeasureDrift(const std::vector<PosePair>& pairs, double sway_window_s) {
   Drift drift{kNaN, kNaN, kNaN};
-  const std::vector<double> path = TruePathSoFar(pairs);
+  const std::vector<double> path = WalkedPath(pairs, sway_window_s);
   if (path.empty() || path.back() < kMinPath_m) return drift;
   double translation = 0, rotation = 0;
   size_t count = 0;
@@ -227,8 +230,8 @@ Drift MeasureDrift(const std::vector<PosePair>& pairs) {
   return drift;
 }
 
-double ScaleDriftPctPerM(const std::vector<PosePair>& pairs) {
-  const std::vector<double> path = TruePathSoFar(pairs);
+double ScaleDriftPctPerM(const std::vector<PosePair>& pairs, double sway_window_s) {
+  const std::vector<double> path = WalkedPath(pairs, sway_window_s);
   if (path.empty() || path.back() < kMinPath_m) return kNaN;
   const double length = path.back() / 10;
   const size_t stride = 1 + pairs.size() / 300;  // at most 300 sub-paths, 45 thousand slopes
@@ -254,9 +257,7 @@ TurnCourse MeasureTurnCourse(const std::vector<PosePair>& pairs) {
     const PosePair &a = pairs[i - 1], &b = pairs[i];
     const Eigen::Matrix3d R_WC = a.truth.R();
     course.truth[i] = course.truth[i - 1] + (R_WC * RotationVector(a.truth.rotation, b.truth.rotation)).z();
-    course.estimate[i] = course.estimate[i - 1];
-    if (b.restarted) continue;
-    course.estimate[i] += (R_WC * RotationVector(a.estimate.rotation, b.estimate.rotation)).z();
+    course.estimate[i] = course.estimate[i - 1] + (R_WC * RotationVector(a.estimate.rotation, b.estimate.rotation)).z();
   }
   return course;
 }

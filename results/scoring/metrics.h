@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "results/scoring/association.h"
+#include "results/scoring/walked_path.h"
 
 namespace gaitcam {
 
@@ -31,13 +32,17 @@ std::vector<double> FullErrors(const std::vector<PosePair>& pairs);
 /// How far two poses of a relative error lie apart.
 enum class DeltaUnit { kFrames, kSeconds, kMeters };
 
+/// Whose path the metres of an interval are measured along: the walked one, the true camera's with its sway, or the
+/// estimate's, as evo has it.
+enum class RpePath { kWalked, kTruth, kEstimate };
+
 struct RelativeOptions {
   double delta = 1;  ///< In `unit`; a whole number of pairs for kFrames. Metres are along the path.
   DeltaUnit unit = DeltaUnit::kFrames;
   bool all_pairs = true;  ///< Every pose starts an interval; else each interval starts where the last one ended.
   double tolerance_ratio =
-      0.1;                    ///< All pairs: the interval may differ from delta by this part of it (not for kFrames).
-  bool path_of_truth = true;  ///< Metres are measured along the true path; else along the estimate's, as evo does.
+      0.1;  ///< All pairs: the interval may differ from delta by this part of it (not for kFrames).
+  RpePath path = RpePath::kWalked;
 };
 
 /// What went wrong between two poses: E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j), Q being truth and P the estimate.
@@ -51,24 +56,24 @@ struct RelativeError {
 std::vector<RelativeError> RelativeErrors(const std::vector<PosePair>& pairs, const RelativeOptions& options);
 
 /// Error grown per distance gone, as the KITTI odometry benchmark measures it (A. Geiger et al., CVPR 2012), with
-/// lengths that suit the run: over all sub-paths of 10, 20, ..., 80 % of the true path's length, the mean of error over
-/// length.
+/// lengths that suit the run: over all sub-paths of 10, 20, ..., 80 % of the walked path (WalkedPath), the mean of
+/// error over length.
 struct Drift {
   double translation_pct;  ///< % of the path; NaN when the truth does not move.
   double rotation_deg_per_m;
   double end_pct;  ///< Error between first and last pose only, % of the path.
 };
-Drift MeasureDrift(const std::vector<PosePair>& pairs);
+Drift MeasureDrift(const std::vector<PosePair>& pairs, double sway_window_s = kSwayWindow_s);
 
 /// How the estimate's unit of length changes along the run: slope (Theil-Sen: the median over all slopes) of
-/// log(|estimated displacement| / |true displacement|), each over a tenth of the true path, against the true path gone;
+/// log(|estimated displacement| / |true displacement|), each over a tenth of the walked path, against the path gone;
 /// % per metre. Positive: the estimate grows. NaN when too few sub-paths have a displacement to compare.
-double ScaleDriftPctPerM(const std::vector<PosePair>& pairs);
+double ScaleDriftPctPerM(const std::vector<PosePair>& pairs, double sway_window_s = kSwayWindow_s);
 
 /// Turning about the true vertical, summed over the run without sign: at each step the estimate's rotation since the
 /// pose before is seen from the true attitude, so that no alignment of worlds enters. Turning left, then right adds up;
 /// the sway of a gait does not, for a change of direction counts only once the true heading has gone back by
-/// `hysteresis_deg`. What the estimator did at a restart counts as no turn at all.
+/// `hysteresis_deg`. All steps count, those of a system that chose its world anew as well.
 struct Turn {
   double true_rad = 0;
   double estimated_rad = 0;  ///< Signed so that turning the same way as the truth is positive.

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include "algorithms/core/units.h"
+#include "results/scoring/consistency.h"
+#include "results/scoring/jumps.h"
 #include "results/scoring/statistics.h"
+#include "results/scoring/time_offset.h"
 
 namespace gaitcam {
 namespace {
@@ -24,7 +27,7 @@ std::vector<RelativeInterval> IntervalsOf(const ScoreOptions& o) {
   RelativeOptions meters{.delta = o.rpe_meters, .unit = DeltaUnit::kMeters};
   for (RelativeOptions* relative : {&frames, &seconds, &meters}) {
     relative->all_pairs = o.rpe_pairs == RpePairs::kAll;
-    relative->path_of_truth = o.rpe_path == RpePath::kTruth;
+    relative->path = o.rpe_path;
   }
   return {
       {frames, fmt::format("{}f", o.rpe_frames), fmt::format("{} frame{}", o.rpe_frames, o.rpe_frames == 1 ? "" : "s")},
@@ -43,25 +46,19 @@ std::vector<Alignment> FurtherAlignments(const ScoreOptions& options) {
 
 // ---- Measures
 
-double TruePathLength(const std::vector<PosePair>& pairs) {
-  Trajectory path;
-  for (const PosePair& p : pairs) path.push_back({p.stamp_ns, p.truth});
-  return PathLength(path);
-}
-
 PoseMeasures::Absolute MeasureAbsolute(const std::vector<PosePair>& pairs, Alignment alignment) {
   const std::vector<PosePair> aligned = Apply(Align(pairs, alignment).X_WV, pairs);
   return {Summarize(PositionErrors(aligned)), Summarize(InDegrees(RotationErrors(aligned)))};
 }
 
 /// Rotation does not depend on scale, so it stands once.
-PoseMeasures::Relative MeasureRelative(const Scores& scores, const RelativeOptions& interval) {
+PoseMeasures::Relative MeasureRelative(const PoseErrors& errors, const RelativeOptions& interval) {
   std::vector<double> se3_m, sim3_m, rotation_deg;
-  for (const RelativeError& e : RelativeErrors(Apply(scores.se3.X_WV, scores.pairs), interval)) {
+  for (const RelativeError& e : RelativeErrors(Apply(errors.se3.X_WV, errors.pairs), interval)) {
     se3_m.push_back(e.translation_m);
     rotation_deg.push_back(e.rotation_rad * kDegPerRad);
   }
-  for (const RelativeError& e : RelativeErrors(Apply(scores.sim3.X_WV, scores.pairs), interval)) {
+  for (const RelativeError& e : RelativeErrors(Apply(errors.sim3.X_WV, errors.pairs), interval)) {
     sim3_m.push_back(e.translation_m);
   }
   return {Summarize(se3_m), Summarize(sim3_m), Summarize(rotation_deg)};
@@ -90,12 +87,14 @@ std::vector<PoseMetric> CoverageMetrics(bool frames_known) {
       {"time_to_first_pose_s", "s", Better::kLower, kGroup, "from the first frame to the first pose",
        [](const auto& m) { return m.coverage.time_to_first_pose_s; }}};
   const std::vector<PoseMetric> of_run = {
-      {"restarts", "", Better::kLower, kGroup, "times the system chose its world anew",
+      {"restarts", "", Better::kNeither, kGroup, "times the system says that it chose its world anew",
        [](const auto& m) { return double(m.coverage.restarts); }},
       {"duration_s", "s", Better::kNeither, kGroup, "from the first compared pose to the last",
        [](const auto& m) { return m.duration_s; }},
-      {"path_length_m", "m", Better::kNeither, kGroup, "length of the true path between them, sway included",
-       [](const auto& m) { return m.path_length_m; }}};
+      {"path_length_m", "m", Better::kNeither, kGroup, "path walked between them: the true one without the gait's sway",
+       [](const auto& m) { return m.path_length_m; }},
+      {"camera_path_m", "m", Better::kNeither, kGroup, "path of the true camera between them, sway included",
+       [](const auto& m) { return m.camera_path_m; }}};
   if (frames_known) metrics.insert(metrics.end(), of_frames.begin(), of_frames.end());
   metrics.insert(metrics.end(), of_run.begin(), of_run.end());
   return metrics;
@@ -165,13 +164,14 @@ void AddRelative(const ScoreOptions& options, std::vector<PoseMetric>& metrics) 
 
 std::vector<PoseMetric> DriftMetrics() {
   constexpr ScoreGroup kGroup = ScoreGroup::kDrift;
-  return {{"drift_pct", "%", Better::kLower, kGroup, "mean error per length over sub-paths of 10 to 80 % of the path",
+  return {{"drift_pct", "%", Better::kLower, kGroup,
+           "mean error over length walked, of sub-paths of 10 to 80 % of the path",
            [](const auto& m) { return m.drift.translation_pct; }},
           {"drift_sim3_pct", "%", Better::kLower, kGroup, "the same, scale corrected",
            [](const auto& m) { return m.drift_sim3.translation_pct; }, true},
           {"drift_rot_deg_per_m", "deg/m", Better::kLower, kGroup, "rotation error per length over the same sub-paths",
            [](const auto& m) { return m.drift.rotation_deg_per_m; }},
-          {"end_drift_pct", "%", Better::kLower, kGroup, "error between first and last pose, part of the path",
+          {"end_drift_pct", "%", Better::kLower, kGroup, "error between first and last pose, part of the path walked",
            [](const auto& m) { return m.drift.end_pct; }},
           {"end_drift_sim3_pct", "%", Better::kLower, kGroup, "the same, scale corrected",
            [](const auto& m) { return m.drift_sim3.end_pct; }}};
@@ -194,14 +194,62 @@ std::vector<PoseMetric> ScaleAndTurnMetrics() {
            "estimated over true total turn; above 1 it over-turns", [](const auto& m) { return m.turn.Gain(); }, true}};
 }
 
+std::vector<PoseMetric> JumpMetrics() {
+  constexpr ScoreGroup kGroup = ScoreGroup::kJumps;
+  const JumpRule rule;
+  return {{"jumps", "", Better::kLower, kGroup,
+           fmt::format("steps between successive poses that are wrong by more than {:g} cm or {:g} deg, plus {:g} % of "
+                       "the true step",
+                       100 * rule.position_m, rule.rotation_deg, 100 * rule.share),
+           [](const auto& m) { return double(m.jumps); }, true},
+          {"largest_jump_m", "m", Better::kLower, kGroup, "the largest of them, scale corrected",
+           [](const auto& m) { return m.largest_jump_m; }},
+          {"time_offset_ms", "ms", Better::kNearZero, kGroup, "by how much the poses' stamps are late",
+           [](const auto& m) { return m.time_offset_ms; }}};
+}
+
+std::vector<PoseMetric> ConsistencyMetrics(const ScoreOptions& options) {
+  constexpr ScoreGroup kGroup = ScoreGroup::kConsistency;
+  const std::string interval = fmt::format("{:g} s", options.rpe_seconds);
+  const std::string suffix = fmt::format("_{:g}s", options.rpe_seconds);
+  return {{"nees", "", Better::kNearOne, kGroup,
+           "squared error of a pose over its stated covariance, mean per dimension; above 1 it is overconfident",
+           [](const auto& m) { return m.nees; }},
+          {"nees_in_band_ratio", "", Better::kNeither, kGroup, "part of the poses within its 95 % band",
+           [](const auto& m) { return m.nees_in_band; }},
+          {"nees" + suffix, "", Better::kNearOne, kGroup, "the same of the motion over " + interval,
+           [](const auto& m) { return m.nees_relative; }},
+          {"nees_in_band_ratio" + suffix, "", Better::kNeither, kGroup, "part of these motions within the band",
+           [](const auto& m) { return m.nees_relative_in_band; }}};
+}
+
+/// Only of the frames and the truth: the same for both answers.
+bool IsOfTheWalk(const std::string& name) {
+  for (const char* of_walk : {"frames", "duration_s", "path_length_m", "camera_path_m", "turn_true_deg"}) {
+    if (name == of_walk) return true;
+  }
+  return false;
+}
+
+void MeasureUncertainty(const PoseErrors& errors, const ScoreOptions& options, PoseMeasures& m) {
+  const std::vector<NeesSample> absolute = AbsoluteNees(errors.pairs);
+  const std::vector<NeesSample> relative = RelativeNees(errors.pairs, options.rpe_seconds);
+  m.nees = MeanNees(absolute);
+  m.nees_in_band = ShareInBand(absolute);
+  m.nees_relative = MeanNees(relative);
+  m.nees_relative_in_band = ShareInBand(relative);
+}
+
 }  // namespace
 
-PoseMeasures MeasurePoses(const Scores& s, const Coverage& coverage, const ScoreOptions& options) {
+PoseMeasures MeasurePoses(const PoseErrors& s, const Trajectory& truth, const Coverage& coverage,
+                          const ScoreOptions& options) {
   PoseMeasures m;
   m.coverage = coverage;
   m.pairs = s.pairs.size();
   m.duration_s = SecondsBetween(s.pairs.front().stamp_ns, s.pairs.back().stamp_ns);
-  m.path_length_m = TruePathLength(s.pairs);
+  m.path_length_m = WalkedPath(s.pairs).back();
+  m.camera_path_m = WalkedPath(s.pairs, 0).back();
   m.se3 = {Summarize(s.error_se3_m), Summarize(s.error_rot_deg)};
   m.sim3_m = Summarize(s.error_sim3_m);
   m.own_rotation_deg = Summarize(s.error_rot_own_deg);
@@ -214,6 +262,28 @@ PoseMeasures MeasurePoses(const Scores& s, const Coverage& coverage, const Score
   m.scale_ratio = s.sim3.scale_known ? 1 / s.sim3.X_WV.scale : kNaN;
   m.scale_drift_pct_per_m = ScaleDriftPctPerM(s.pairs);
   m.turn = MeasureTurn(s.pairs);
+  const std::vector<Jump> jumps = FindJumps(Apply(s.sim3.X_WV, s.pairs));
+  m.jumps = jumps.size();
+  for (const Jump& jump : jumps) m.largest_jump_m = std::max(m.largest_jump_m, jump.position_m);
+  m.time_offset_ms = EstimateTimeOffsetMs(s.pairs, truth);
+  MeasureUncertainty(s, options, m);
+  return m;
+}
+
+PoseMeasures MeasureCoverageAlone(const Coverage& coverage, size_t pairs, const ScoreOptions& options) {
+  const Statistics none = Summarize({});
+  PoseMeasures m;
+  m.coverage = coverage;
+  m.pairs = pairs;
+  m.duration_s = m.path_length_m = m.camera_path_m = kNaN;
+  m.se3 = {none, none};
+  m.sim3_m = m.own_rotation_deg = none;
+  m.also.assign(FurtherAlignments(options).size(), {none, none});
+  m.relative.assign(IntervalsOf(options).size(), {none, none, none});
+  m.drift = m.drift_sim3 = {kNaN, kNaN, kNaN};
+  m.scale_ratio = m.scale_drift_pct_per_m = m.largest_jump_m = m.time_offset_ms = kNaN;
+  m.nees = m.nees_in_band = m.nees_relative = m.nees_relative_in_band = kNaN;
+  m.turn = {kNaN, kNaN};
   return m;
 }
 
@@ -221,8 +291,19 @@ std::vector<PoseMetric> PoseMetrics(const ScoreOptions& options, bool frames_kno
   std::vector<PoseMetric> metrics = CoverageMetrics(frames_known);
   AddAbsolute(options, metrics);
   AddRelative(options, metrics);
-  for (const std::vector<PoseMetric>& more : {DriftMetrics(), ScaleAndTurnMetrics()}) {
+  for (const std::vector<PoseMetric>& more :
+       {DriftMetrics(), ScaleAndTurnMetrics(), JumpMetrics(), ConsistencyMetrics(options)}) {
     metrics.insert(metrics.end(), more.begin(), more.end());
+  }
+  return metrics;
+}
+
+std::vector<PoseMetric> LivePoseMetrics(const ScoreOptions& options) {
+  std::vector<PoseMetric> metrics = PoseMetrics(options, true);
+  std::erase_if(metrics, [](const PoseMetric& metric) { return IsOfTheWalk(metric.name); });
+  for (PoseMetric& metric : metrics) {
+    metric.name = "live_" + metric.name;
+    metric.meaning = "live: " + metric.meaning;
   }
   return metrics;
 }

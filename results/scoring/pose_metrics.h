@@ -25,7 +25,8 @@ struct PoseMeasures {
 
   Coverage coverage;
   size_t pairs = 0;
-  double duration_s = 0, path_length_m = 0;  ///< Between the first and the last pair, along the truth.
+  double duration_s = 0;                        ///< Between the first and the last pair.
+  double path_length_m = 0, camera_path_m = 0;  ///< Walked (WalkedPath), and along the true camera's path.
   Absolute se3;
   Statistics sim3_m, own_rotation_deg;  ///< The latter after AlignOrientations.
   std::vector<Absolute> also;           ///< For each of ScoreOptions::also_align, yaw before none.
@@ -34,13 +35,23 @@ struct PoseMeasures {
   double scale_ratio = 0;  ///< Length in the estimate over true length; NaN if Sim(3) leaves it free.
   double scale_drift_pct_per_m = 0;
   Turn turn;
+  size_t jumps = 0;                                                                 ///< FindJumps, under Sim(3).
+  double largest_jump_m = 0;                                                        ///< 0 without one.
+  double time_offset_ms = 0;                                                        ///< EstimateTimeOffsetMs.
+  double nees = 0, nees_in_band = 0, nees_relative = 0, nees_relative_in_band = 0;  ///< NaN without covariances.
 };
 
-/// @param scores with pairs, alignments and errors. @pre at least one pair.
-PoseMeasures MeasurePoses(const Scores& scores, const Coverage& coverage, const ScoreOptions& options);
+/// @pre at least one pair.
+PoseMeasures MeasurePoses(const PoseErrors& errors, const Trajectory& truth, const Coverage& coverage,
+                          const ScoreOptions& options);
+/// Of an answer too short to have errors: coverage alone, all else NaN.
+PoseMeasures MeasureCoverageAlone(const Coverage& coverage, size_t pairs, const ScoreOptions& options);
 
-/// @param frames_known as Coverage has it: without frames none can be lost.
+/// Of the final answer. @param frames_known as Coverage has it: without frames none can be lost.
 std::vector<Metric<PoseMeasures>> PoseMetrics(const ScoreOptions& options, bool frames_known);
+
+/// Of the live answer: the same, named "live_...", without what does not depend on the answer.
+std::vector<Metric<PoseMeasures>> LivePoseMetrics(const ScoreOptions& options);
 
 /// What a run cost on this machine.
 struct TimingMeasures {

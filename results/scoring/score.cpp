@@ -31,6 +31,39 @@ std::vector<Score> ScoreTiming(const Estimate& estimate) {
   return Evaluate(TimingMetrics(!estimate.track_ms.empty()), {estimate.track_ms, PeakMemoryMb()});
 }
 
+/// @param errors with pairs.
+void MeasureErrors(const std::vector<FrameEstimate>& answer, PoseErrors& errors) {
+  errors.se3 = Align(errors.pairs, Alignment::kSe3);
+  errors.sim3 = Align(errors.pairs, Alignment::kSim3);
+  for (const StampedPose& p : PosesOf(answer)) {
+    errors.aligned_se3.push_back({p.stamp_ns, errors.se3.X_WV * p.pose});
+    errors.aligned_sim3.push_back({p.stamp_ns, errors.sim3.X_WV * p.pose});
+  }
+  const std::vector<PosePair> se3_pairs = Apply(errors.se3.X_WV, errors.pairs);
+  errors.error_se3_m = PositionErrors(se3_pairs);
+  errors.error_rot_deg = InDegrees(RotationErrors(se3_pairs));
+  Similarity own;
+  own.rotation = AlignOrientations(errors.pairs);
+  errors.error_rot_own_deg = InDegrees(RotationErrors(Apply(own, errors.pairs)));
+  errors.error_sim3_m = PositionErrors(Apply(errors.sim3.X_WV, errors.pairs));
+}
+
+/// An answer that covers too little has coverage and no errors.
+void ScoreLive(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
+               const ScoreOptions& options, Scores& s) {
+  PoseErrors errors;
+  errors.pairs = AssociatePoses(estimate.live, truth, options.association);
+  const Coverage coverage = MeasureCoverage(estimate.live, estimate.keyframes_only, truth, errors.pairs, frame_stamps);
+  PoseMeasures measures = MeasureCoverageAlone(coverage, errors.pairs.size(), options);
+  if (errors.pairs.size() >= size_t(options.min_pairs)) {
+    MeasureErrors(estimate.live, errors);
+    measures = MeasurePoses(errors, truth, coverage, options);
+    s.live = std::move(errors);
+  }
+  const std::vector<Score> scores = Evaluate(LivePoseMetrics(options), measures);
+  s.scores.insert(s.scores.end(), scores.begin(), scores.end());
+}
+
 void AddRemarks(const Coverage& coverage, Scores& s) {
   if (coverage.ratio < 0.8) {
     s.remarks.push_back(
@@ -38,11 +71,13 @@ void AddRemarks(const Coverage& coverage, Scores& s) {
                     100 * coverage.ratio, coverage.frames_known ? "frames" : "true time span"));
   }
   if (coverage.restarts > 0) {
-    s.remarks.push_back(fmt::format("the system chose its world anew {} time{}; one alignment serves the whole run",
-                                    coverage.restarts, coverage.restarts == 1 ? "" : "s"));
+    s.remarks.push_back(
+        fmt::format("the system says that it chose its world anew {} time{}; one alignment serves the whole run, and "
+                    "nothing is forgiven",
+                    coverage.restarts, coverage.restarts == 1 ? "" : "s"));
   }
-  if (const std::string remark = s.sim3.Remark(); !remark.empty()) s.remarks.push_back("alignment: " + remark);
-  const double apart_deg = kDegPerRad * RotationAngle(s.se3.X_WV.rotation, AlignOrientations(s.pairs));
+  if (const std::string remark = s.last.sim3.Remark(); !remark.empty()) s.remarks.push_back("alignment: " + remark);
+  const double apart_deg = kDegPerRad * RotationAngle(s.last.se3.X_WV.rotation, AlignOrientations(s.last.pairs));
   if (apart_deg > 30) {
     s.remarks.push_back(fmt::format(
         "alignment by positions turns the estimate {:.0f} deg away from what its orientations say; the path is too "
@@ -68,25 +103,13 @@ Scores ScoreEstimate(const Estimate& estimate, const Trajectory& truth, const st
                      const ScoreOptions& options) {
   CheckFields(options, "score.");
   Scores s;
-  s.pairs = AssociatePoses(estimate, truth, options.association);
-  const Coverage coverage = MeasureCoverage(estimate, truth, s.pairs, frame_stamps);
-  CheckEnough(coverage, s.pairs.size(), options);
-
-  s.se3 = Align(s.pairs, Alignment::kSe3);
-  s.sim3 = Align(s.pairs, Alignment::kSim3);
-  for (const StampedPose& p : estimate.ToTrajectory()) {
-    s.aligned_se3.push_back({p.stamp_ns, s.se3.X_WV * p.pose});
-    s.aligned_sim3.push_back({p.stamp_ns, s.sim3.X_WV * p.pose});
-  }
-  const std::vector<PosePair> se3_pairs = Apply(s.se3.X_WV, s.pairs);
-  s.error_se3_m = PositionErrors(se3_pairs);
-  s.error_rot_deg = InDegrees(RotationErrors(se3_pairs));
-  Similarity own;
-  own.rotation = AlignOrientations(s.pairs);
-  s.error_rot_own_deg = InDegrees(RotationErrors(Apply(own, s.pairs)));
-  s.error_sim3_m = PositionErrors(Apply(s.sim3.X_WV, s.pairs));
-
-  s.scores = Evaluate(PoseMetrics(options, coverage.frames_known), MeasurePoses(s, coverage, options));
+  s.last.pairs = AssociatePoses(estimate.frames, truth, options.association);
+  const Coverage coverage =
+      MeasureCoverage(estimate.frames, estimate.keyframes_only, truth, s.last.pairs, frame_stamps);
+  CheckEnough(coverage, s.last.pairs.size(), options);
+  MeasureErrors(estimate.frames, s.last);
+  s.scores = Evaluate(PoseMetrics(options, coverage.frames_known), MeasurePoses(s.last, truth, coverage, options));
+  if (!estimate.live.empty() && coverage.frames_known) ScoreLive(estimate, truth, frame_stamps, options, s);
   s.timing = ScoreTiming(estimate);
   AddRemarks(coverage, s);
   if (estimate.keyframes_only) {

@@ -4,11 +4,15 @@
 /// and under Sim(3) (scale given away, as monocular systems need) always. One alignment serves the whole run: a system
 /// that restarted in the middle is not forgiven the jump. Coverage comes first; an estimate that covers too little has
 /// no scores at all.
+///
+/// Both answers of a system are scored: what it finally said of each frame, and what it said live, when it had seen
+/// nothing later. Names that begin with "live_" are of the latter; all others of poses are of the final answer.
 
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +22,7 @@
 #include "results/scoring/alignment.h"
 #include "results/scoring/association.h"
 #include "results/scoring/metric.h"
+#include "results/scoring/metrics.h"
 
 namespace gaitcam {
 
@@ -27,10 +32,9 @@ constexpr auto WordsOf(RpePairs) {
   return std::array{EnumWord{RpePairs::kAll, "all"}, EnumWord{RpePairs::kConsecutive, "consecutive"}};
 }
 
-/// Whose path the metres of an interval are measured along; evo takes the estimate's.
-enum class RpePath { kTruth, kEstimate };
 constexpr auto WordsOf(RpePath) {
-  return std::array{EnumWord{RpePath::kTruth, "truth"}, EnumWord{RpePath::kEstimate, "estimate"}};
+  return std::array{EnumWord{RpePath::kWalked, "walked"}, EnumWord{RpePath::kTruth, "truth"},
+                    EnumWord{RpePath::kEstimate, "estimate"}};
 }
 
 /// Alignments of the absolute error beside SE(3) and Sim(3).
@@ -50,7 +54,7 @@ struct ScoreOptions {
   double rpe_seconds = 1.0;
   double rpe_meters = 1.0;
   RpePairs rpe_pairs = RpePairs::kAll;
-  RpePath rpe_path = RpePath::kTruth;
+  RpePath rpe_path = RpePath::kWalked;
   AlsoAlign also_align =
       AlsoAlign::kNoMore;  ///< Further alignments of the absolute error: "none", "yaw", "both" or "".
 };
@@ -67,24 +71,30 @@ void VisitFields(Visitor& visit, ScoreOptions& o) {
   visit("rpe_pairs", o.rpe_pairs, EnumWords<RpePairs>(),
         "whether every pose starts an interval of the relative error, or one interval follows the other");
   visit("rpe_path", o.rpe_path, EnumWords<RpePath>(),
-        "whose path the metres of an interval are measured along; evo takes the estimate's");
+        "whose path metres are measured along: the walked one without the gait's sway, the camera's, the estimate's");
   visit("also_align", o.also_align, EnumWords<AlsoAlign>(),
         "further alignments of the absolute error, beside SE(3) and Sim(3)");
 }
+
+/// The errors of one of the two answers.
+struct PoseErrors {
+  std::vector<PosePair> pairs;  ///< As associated, not aligned.
+  AlignmentResult se3, sim3;
+  Trajectory aligned_se3, aligned_sim3;  ///< All poses of the answer, X_WC, in the world of the truth.
+  std::vector<double> error_se3_m, error_sim3_m, error_rot_deg;  ///< Per pair.
+  std::vector<double> error_rot_own_deg;  ///< Per pair, after the rotation that fits the orientations best.
+};
 
 struct Scores {
   std::vector<Score> scores;         ///< In the order of a table; equal from run to run of the same input.
   std::vector<Score> timing;         ///< Wall time and memory: differ from run to run.
   std::vector<std::string> remarks;  ///< What a reader should know before believing a number.
 
-  std::vector<PosePair> pairs;  ///< As associated, not aligned.
-  AlignmentResult se3, sim3;
-  Trajectory aligned_se3, aligned_sim3;  ///< All poses of the estimate, X_WC, in the world of the truth.
-  std::vector<double> error_se3_m, error_sim3_m, error_rot_deg;  ///< Per pair.
-  std::vector<double> error_rot_own_deg;  ///< Per pair, after the rotation that fits the orientations best.
+  PoseErrors last;                 ///< Of the final answer.
+  std::optional<PoseErrors> live;  ///< Of the live one; nothing if there was none, or too little to align.
 
   /// Whether there were poses to score; a topological map has none.
-  bool HasPoses() const { return !pairs.empty(); }
+  bool HasPoses() const { return !last.pairs.empty(); }
   /// @returns the value of a score or timing by name. @throws BadInput naming the nearest known one.
   double Value(const std::string& name) const;
 };

@@ -6,7 +6,11 @@
 
 namespace gaitcam {
 
-std::vector<Score> ScoreCatalogue(const ScoreOptions& options) { return NamesOf(PoseMetrics(options, true)); }
+std::vector<Score> ScoreCatalogue(const ScoreOptions& options) {
+  std::vector<Score> catalogue = NamesOf(PoseMetrics(options, true));
+  for (const Score& score : NamesOf(LivePoseMetrics(options))) catalogue.push_back(score);
+  return catalogue;
+}
 
 std::vector<Score> MapScoreCatalogue() {
   std::vector<Score> catalogue = NamesOf(FloorMetrics({}));

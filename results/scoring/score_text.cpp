@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 namespace gaitcam {
 namespace {
+
+constexpr std::string_view kLive = "live_";
 
 nlohmann::ordered_json JsonOf(const std::vector<Score>& scores) {
   nlohmann::ordered_json object = nlohmann::ordered_json::object();
@@ -40,8 +44,8 @@ std::string ScoresToJson(const Scores& scores) {
   json["schema"] = "gaitcam.scores.1";
   json["scores"] = JsonOf(scores.scores);
   json["remarks"] = scores.remarks;
-  json["alignment"]["se3"] = JsonOf(scores.se3);
-  json["alignment"]["sim3"] = JsonOf(scores.sim3);
+  json["alignment"]["se3"] = JsonOf(scores.last.se3);
+  json["alignment"]["sim3"] = JsonOf(scores.last.sim3);
   json["timing"] = JsonOf(scores.timing);
   return json.dump(2) + "\n";
 }
@@ -55,21 +59,39 @@ std::string ScoreText(double value) {
   return fmt::format("{:.{}f}", value, std::max(0, std::min(4 - digits_before, 7)));
 }
 
+std::vector<ScoreRow> JoinAnswers(const std::vector<Score>& scores) {
+  std::map<std::string, double> live;
+  for (const Score& score : scores) {
+    if (score.name.starts_with(kLive)) live[score.name.substr(kLive.size())] = score.value;
+  }
+  std::vector<ScoreRow> rows;
+  for (const Score& score : scores) {
+    if (score.name.starts_with(kLive)) continue;
+    const auto other = live.find(score.name);
+    rows.push_back({score, other == live.end() ? std::nullopt : std::optional(other->second)});
+  }
+  return rows;
+}
+
 std::string ScoresToTable(const Scores& scores) {
-  size_t name_width = 0, value_width = 0, unit_width = 0;
-  for (const std::vector<Score>* list : {&scores.scores, &scores.timing}) {
-    for (const Score& s : *list) {
-      name_width = std::max(name_width, s.name.size());
-      value_width = std::max(value_width, ScoreText(s.value).size());
-      unit_width = std::max(unit_width, s.unit.size());
-    }
+  std::vector<ScoreRow> rows = JoinAnswers(scores.scores);
+  for (const Score& score : scores.timing) rows.push_back({score, std::nullopt});
+  size_t name_width = 0, value_width = 0, live_width = 0, unit_width = 0;
+  for (const ScoreRow& row : rows) {
+    name_width = std::max(name_width, row.last.name.size());
+    value_width = std::max(value_width, ScoreText(row.last.value).size());
+    if (row.live) live_width = std::max({live_width, ScoreText(*row.live).size(), size_t{4}});
+    unit_width = std::max(unit_width, row.last.unit.size());
   }
   std::string text;
-  for (const std::vector<Score>* list : {&scores.scores, &scores.timing}) {
-    for (const Score& s : *list) {
-      text += fmt::format("{:<{}}  {:>{}} {:<{}}  {}\n", s.name, name_width, ScoreText(s.value), value_width, s.unit,
-                          unit_width, s.meaning);
-    }
+  if (live_width > 0) {
+    value_width = std::max(value_width, size_t{5});
+    text = fmt::format("{:<{}}  {:>{}}  {:>{}}\n", "", name_width, "final", value_width, "live", live_width);
+  }
+  for (const ScoreRow& row : rows) {
+    text += fmt::format("{:<{}}  {:>{}}", row.last.name, name_width, ScoreText(row.last.value), value_width);
+    if (live_width > 0) text += fmt::format("  {:>{}}", row.live ? ScoreText(*row.live) : "", live_width);
+    text += fmt::format(" {:<{}}  {}\n", row.last.unit, unit_width, row.last.meaning);
   }
   for (const std::string& remark : scores.remarks) text += "note: " + remark + "\n";
   return text;

@@ -2,7 +2,9 @@
 
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "results/scoring/score.h"
 
@@ -12,7 +14,15 @@ namespace gaitcam {
 /// is byte-identical from run to run. Ends with a line feed.
 std::string ScoresToJson(const Scores& scores);
 
-/// Aligned columns for a terminal: name, value, unit, meaning.
+/// A row of a table: the same metric of both answers.
+struct ScoreRow {
+  Score last;                  ///< Of the final answer, or of neither.
+  std::optional<double> live;  ///< Of the live one, if there is such a score.
+};
+/// Scores named "live_NAME" join the row of NAME.
+std::vector<ScoreRow> JoinAnswers(const std::vector<Score>& scores);
+
+/// Aligned columns for a terminal: name, value (final and live, where there are both), unit, meaning.
 std::string ScoresToTable(const Scores& scores);
 
 /// A value as a table shows it: four significant digits, counts in full, "-" for NaN.

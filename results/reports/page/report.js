@@ -14,8 +14,8 @@ const timePlugin = {
       ctx.fillStyle = css(kind === 'lost' ? 'lost' : 'wait');
       ctx.fillRect(x.getPixelForValue(from), a.top, x.getPixelForValue(to) - x.getPixelForValue(from), a.height);
     }
-    ctx.strokeStyle = css('bad'); ctx.setLineDash([2, 3]); ctx.lineWidth = 1;
-    for (const t of data.restarts) {
+    ctx.strokeStyle = css('bad'); ctx.globalAlpha = 0.6; ctx.setLineDash([2, 3]); ctx.lineWidth = 1;
+    for (const t of data.jumps) {
       const px = x.getPixelForValue(t);
       ctx.beginPath(); ctx.moveTo(px, a.top); ctx.lineTo(px, a.bottom); ctx.stroke();
     }
@@ -86,6 +86,7 @@ function path(canvas, view) {
   const p = data.path, h = view.horizontal, v = view.vertical, datasets = [];
   if (p.sim3) {
     datasets.push(line('sim3', 'estimate, Sim(3)', 'sim3', xy(p.sim3[h], p.sim3[v]), {borderWidth: 2}));
+    if (p.live) datasets.push(line('live', 'live, Sim(3)', 'purple', xy(p.live[h], p.live[v]), {borderWidth: 1.2}));
     datasets.push(line('se3', 'estimate, SE(3)', 'se3', xy(p.se3[h], p.se3[v]), {borderWidth: 1.6, borderDash: [5, 4]}));
   }
   const last = p.truth[h].length - 1;
@@ -110,11 +111,16 @@ const drawers = {
   top: canvas => path(canvas, {horizontal: 'x', vertical: 'y'}),
   side: canvas => path(canvas, {horizontal: data.path.side_axis, vertical: 'z'}),
   error: canvas => overTime(canvas, [
-    line('sim3', 'Sim(3)', 'sim3', xy(data.error.t, data.error.sim3)),
+    line('sim3', 'final, Sim(3)', 'sim3', xy(data.error.t, data.error.sim3)),
+    ...(data.error.live ? [line('live', 'live, Sim(3)', 'purple', xy(data.error.live.t, data.error.live.sim3), {borderWidth: 1.2})] : []),
     line('se3', 'SE(3)', 'se3', xy(data.error.t, data.error.se3), {borderDash: [5, 4]})], 'position error, m', 'm'),
   rotation: canvas => overTime(canvas, [
     line('own', 'best rotation', 'purple', xy(data.error.t, data.error.own)),
     line('rot', 'aligned positions', 'se3', xy(data.error.t, data.error.rot), {borderDash: [5, 4]})], 'rotation error, °', '°'),
+  nees: canvas => overTime(canvas, [
+    line('nees', 'NEES', 'sim3', xy(data.nees.t, data.nees.nees)),
+    line('band', 'band', 'truth', xy(data.nees.t, data.nees.low), {borderDash: [5, 4]}),
+    line('band', 'band', 'truth', xy(data.nees.t, data.nees.high), {borderDash: [5, 4]})], 'NEES', ''),
   heading: canvas => overTime(canvas, [
     line('estimate', 'estimate', 'sim3', xy(data.heading.t, data.heading.estimate)),
     line('truth', 'truth', 'truth', xy(data.heading.t, data.heading.truth), {borderWidth: 3.2, order: 9})], 'turned left, °', '°', {beginAtZero: false}),

@@ -13,7 +13,7 @@ std::string SummaryText(const Scores& scores, const std::vector<Score>& of_film,
     for (const Score& score : scores.*list) {
       if (all || score.headline) {
         (shown.*list).push_back(score);
-      } else {
+      } else if (!score.name.starts_with("live_")) {  // these stand in the rows of the others
         ++left_out;
       }
     }

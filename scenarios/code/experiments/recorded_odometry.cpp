@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "algorithms/core/errors.h"
-#include "algorithms/io/text_table.h"
 #include "algorithms/io/trajectory_file.h"
 #include "results/scoring/alignment.h"
+#include "results/scoring/jumps.h"
 #include "results/scoring/score.h"
 #include "results/scoring/statistics.h"
 #include "scenarios/code/experiments/table_experiment.h"
@@ -126,24 +126,35 @@ std::string LabelOf(const SystemChoice& system) {
   return settings.empty() ? system.name : fmt::format("{} ({})", system.name, settings);
 }
 
+/// A length, % of the path walked.
+std::vector<double> OfPath(const Cell& cell, const std::string& name) {
+  std::vector<double> values;
+  for (const JobRecord& record : cell.records) {
+    const auto length = record.scores.find(name), path = record.scores.find("path_length_m");
+    if (length == record.scores.end() || path == record.scores.end()) continue;
+    values.push_back(100 * length->second / path->second);
+  }
+  return values;
+}
+
 std::string Row(const Cell& cell) {
-  std::vector<double> blur, ate, ms;
+  std::vector<double> blur, ms;
   int scored = 0;
   for (const JobRecord& record : cell.records) {
     blur.push_back(record.blur_median_px);
     if (const auto at = record.timing.find("track_ms_mean"); at != record.timing.end()) ms.push_back(at->second);
-    if (!record.not_scored.empty()) continue;
-    ++scored;
-    ate.push_back(100 * record.scores.at("ate_sim3_rmse_m") / record.scores.at("path_length_m"));
+    scored += record.not_scored.empty() ? 1 : 0;
   }
   const Scenario& s = cell.scenario;
-  return fmt::format("| {} | {} | {:g} ms | {} x {} | {} | {} | {} | {} of {} | {} | {} | {} | {} | {} | {} |\n",
-                     s.name, s.robot == "omni_base" ? s.robot : s.robot + ", " + s.gait.preset,
-                     s.camera.exposure.exposure_ms, s.camera.width_px, s.camera.height_px, Spread(blur, 1),
-                     Spread(Column(cell, "path_length_m"), 1), LabelOf(s.system), scored, cell.records.size(),
-                     Spread(Column(cell, "coverage_ratio", 100), 1), Spread(ate, 2),
-                     Spread(Column(cell, "end_drift_sim3_pct"), 2), Spread(Column(cell, "rotation_gain"), 3),
-                     Spread(Column(cell, "restarts"), 0), Spread(ms, 0));
+  return fmt::format(
+      "| {} | {} | {:g} ms | {} x {} | {} | {} | {} | {} of {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+      s.name, s.robot == "omni_base" ? s.robot : s.robot + ", " + s.gait.preset, s.camera.exposure.exposure_ms,
+      s.camera.width_px, s.camera.height_px, Spread(blur, 1), Spread(Column(cell, "path_length_m"), 1),
+      LabelOf(s.system), scored, cell.records.size(), Spread(Column(cell, "coverage_ratio", 100), 1),
+      Spread(Column(cell, "live_coverage_ratio", 100), 1), Spread(OfPath(cell, "ate_sim3_rmse_m"), 2),
+      Spread(OfPath(cell, "live_ate_sim3_rmse_m"), 2), Spread(OfPath(cell, "ate_rmse_m"), 2),
+      Spread(Column(cell, "end_drift_sim3_pct"), 2), Spread(Column(cell, "rotation_gain"), 3),
+      Spread(Column(cell, "live_jumps"), 0), Spread(ms, 0));
 }
 
 std::string TableOf(const std::vector<Cell>& cells, const ExperimentSetup& setup, const fs::path& picture) {
@@ -152,29 +163,32 @@ std::string TableOf(const std::vector<Cell>& cells, const ExperimentSetup& setup
       "Every walk is recorded once per seed and tracked by every system; the system sees the sensors' folder alone.\n"
       "Where there are several seeds, a figure is the median over them, (min..max) in brackets. Blur is the median "
       "over\n"
-      "the frames of each frame's median blur; the path is the camera's between the first and the last pose compared,\n"
-      "its sway included, and so are the percentages of it. Coverage is the part of the recorded frames that got a "
-      "pose.\n"
-      "The absolute error (ATE, rmse) and the end error, which is the error between the first and the last pose, "
-      "stand\n"
-      "under one Sim(3) alignment of the whole run: after a restart nothing is forgiven. Rotation gain is the turning\n"
-      "about the vertical, estimated over true; what a restart did counts as no turn. \"-\": a run that covers less "
-      "than\n"
+      "the frames of each frame's median blur; the path is the one walked between the first and the last pose "
+      "compared,\n"
+      "without the gait's sway, and percentages are of it. Live is what a system said of each frame when it had seen\n"
+      "nothing later, final its last word. Coverage is the part of the recorded frames that got a pose.\n"
+      "The absolute error (ATE, rmse) stands under one Sim(3) alignment of the whole run and, final, under SE(3), "
+      "scale\n"
+      "included; the end error, between the first and the last pose, is final and under Sim(3). After a restart "
+      "nothing is\n"
+      "forgiven. Rotation gain is the turning about the vertical, estimated over true, over all frames. Jumps are "
+      "steps of\n"
+      "the live answer that the true motion makes impossible. \"-\": a run that covers less than\n"
       "10 % of the frames is not scored; how many runs were, says the column \"scored\". Errors say nothing of frames\n"
       "without a pose: read them together with the coverage. Wall time per frame is rough, for it counts whatever "
       "else\n"
       "the machine was doing.\n\n"
-      "| scenario | who walks | exposure | image | blur, px | path, m | system | scored | coverage, % | ATE, % of path "
-      "| "
-      "end error, % of path | rotation gain | restarts | ms per frame |\n"
-      "|---|---|---:|---|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|\n",
+      "| scenario | who walks | exposure | image | blur, px | path, m | system | scored | coverage, % | live | ATE, % "
+      "of "
+      "path | live | ATE, SE(3) | end error, % of path | rotation gain | live jumps | ms per frame |\n"
+      "|---|---|---:|---|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
       setup.command);
   for (const Cell& cell : cells) text += Row(cell);
   const fs::path beside = fs::absolute(setup.table).parent_path();
   text += fmt::format(
       "\n![Paths from above]({})\n\nThe paths of the first walk's first seed from above, each estimate under its "
       "Sim(3)\n"
-      "alignment; where frames have no pose, or a system chose its world anew, the line is broken.\n",
+      "alignment; where frames have no pose, or the estimate jumps, the line is broken.\n",
       fs::absolute(picture).lexically_relative(beside).generic_string());
   return text;
 }
@@ -189,23 +203,19 @@ struct Curve {
   std::vector<std::vector<Eigen::Vector2d>> pieces;
 };
 
-/// The stamps at which a run's system chose its world anew.
-std::set<int64_t> RestartsOf(const fs::path& run) {
-  std::set<int64_t> restarts;
-  TextTable table(run / "tracking.csv", ',');
-  for (table.Next(); table.Next();) {  // the first row names the columns
-    if (table.Integer(2, "restarted") != 0) restarts.insert(table.Integer(0, "stamp_ns"));
-  }
-  return restarts;
+std::set<int64_t> JumpStamps(const std::vector<PosePair>& aligned) {
+  std::set<int64_t> stamps;
+  for (const Jump& jump : FindJumps(aligned)) stamps.insert(aligned[jump.to].stamp_ns);
+  return stamps;
 }
 
-std::vector<std::vector<Eigen::Vector2d>> Pieces(const Trajectory& trajectory, const std::set<int64_t>& restarts,
+std::vector<std::vector<Eigen::Vector2d>> Pieces(const Trajectory& trajectory, const std::set<int64_t>& jumps,
                                                  const Similarity& X_WV, double rate_hz) {
   std::vector<std::vector<Eigen::Vector2d>> pieces;
   int64_t last_ns = 0;
   for (const StampedPose& pose : trajectory) {
     const bool gap = double(pose.stamp_ns - last_ns) > 1.5e9 / rate_hz;
-    if (pieces.empty() || gap || restarts.count(pose.stamp_ns) > 0) pieces.emplace_back();
+    if (pieces.empty() || gap || jumps.count(pose.stamp_ns) > 0) pieces.emplace_back();
     pieces.back().push_back((X_WV * pose.pose.translation).head<2>());
     last_ns = pose.stamp_ns;
   }
@@ -227,12 +237,13 @@ std::vector<Curve> Curves(const std::vector<Cell>& cells, const fs::path& runs) 
     if (!same_walk || !drawn.insert(name).second || (name != "sift_vo" && name != "mobif_vo_plus")) continue;
     const fs::path run = runs / cell.hashes.front();
     const Trajectory estimate = ReadTrajectory(run / "estimate.txt").trajectory;
-    const auto pairs = AssociatePoses(EstimateFromTrajectory(estimate), truth, {});
+    const auto pairs = AssociatePoses(EstimateFromTrajectory(estimate).frames, truth, {});
     if (pairs.size() < 3) continue;
+    const Similarity X_WV = Align(pairs, Alignment::kSim3).X_WV;
     const cv::Scalar color = name == "sift_vo" ? cv::Scalar(40, 40, 220) : cv::Scalar(200, 110, 0);
     curves.push_back({fmt::format("{}, {:.1f} %", LabelOf(cell.scenario.system),
                                   100 * cell.records.front().scores.at("coverage_ratio")),
-                      color, 2, Pieces(estimate, RestartsOf(run), Align(pairs, Alignment::kSim3).X_WV, rate_hz)});
+                      color, 2, Pieces(estimate, JumpStamps(Apply(X_WV, pairs)), X_WV, rate_hz)});
   }
   return curves;
 }

@@ -133,10 +133,12 @@ std::optional<Scores> ScoreInto(const TrackedWalk& walk, const ResolvedScenario&
 }
 
 std::string TrackingCsv(const Estimate& estimate) {
-  std::string text = "stamp_ns,status,restarted,features,inliers\n";
-  for (const FrameEstimate& frame : estimate.frames) {
-    text += fmt::format("{},{},{},{},{}\n", frame.stamp_ns, ToString(frame.status), int(frame.restarted),
-                        frame.features, frame.inliers);
+  std::string text = "stamp_ns,status,live_status,restarted,features,inliers\n";
+  for (size_t i = 0; i < estimate.frames.size(); ++i) {
+    const FrameEstimate& frame = estimate.frames[i];
+    const TrackingStatus live = estimate.live.empty() ? frame.status : estimate.live[i].status;
+    text += fmt::format("{},{},{},{},{},{}\n", frame.stamp_ns, ToString(frame.status), ToString(live),
+                        int(frame.restarted), frame.features, frame.inliers);
   }
   return text;
 }
@@ -164,6 +166,9 @@ bool RunJob(const ResolvedScenario& resolved, const JobOptions& options) {
   record.renderer = walk->renderer;
   const std::optional<Scores> scores = ScoreInto(*walk, resolved, record);
   WriteTrajectory(folder.path() / "estimate.txt", walk->estimate.ToTrajectory(), TrajectoryFormat::kTum);
+  if (!walk->estimate.live.empty()) {
+    WriteTrajectory(folder.path() / "live.txt", PosesOf(walk->estimate.live), TrajectoryFormat::kTum);
+  }
   WriteCovariances(folder.path() / "covariances.csv", walk->estimate.frames);
   WriteTrajectory(folder.path() / "truth.txt", walk->truth, TrajectoryFormat::kTum);
   folder.WriteText("tracking.csv", TrackingCsv(walk->estimate));

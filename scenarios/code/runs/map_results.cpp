@@ -34,11 +34,11 @@ void WritePanoramas(const PlaceGraph& graph, const fs::path& folder) {
 MapResult ResultOf(const FloorPicture& map, const MapContext& context) {
   if (!context.poses.HasPoses()) return {};
   const auto comparison =
-      std::make_shared<const FloorComparison>(CompareMappedFloor(map, context.scene, context.poses.se3.X_WV));
+      std::make_shared<const FloorComparison>(CompareMappedFloor(map, context.scene, context.poses.last.se3.X_WV));
   MapResult result;
   result.scores = comparison->scores;
   result.write = [comparison](const fs::path& folder) { WriteMapPictures(*comparison, folder / "map"); };
-  result.section = [comparison, &truth = context.truth, estimate = context.poses.aligned_se3] {
+  result.section = [comparison, &truth = context.truth, estimate = context.poses.last.aligned_se3] {
     return FloorReportSection(*comparison, truth, estimate);
   };
   return result;

@@ -57,6 +57,7 @@ std::vector<ReportFrame> RunLog::ReportFrames(const Estimate& estimate) const {
   for (size_t i = 0; i < entries_.size(); ++i) {
     ReportFrame frame{entries_[i].truth};
     frame.status = estimate.frames[i].status;
+    frame.live = estimate.live.empty() ? frame.status : estimate.live[i].status;
     frame.restarted = estimate.frames[i].restarted;
     frame.features = estimate.frames[i].features;
     frame.inliers = estimate.frames[i].inliers;
@@ -67,16 +68,17 @@ std::vector<ReportFrame> RunLog::ReportFrames(const Estimate& estimate) const {
 
 std::string RunLog::ToCsv(const Estimate& estimate) const {
   std::string csv =
-      "stamp_ns,status,restarted,features,inliers,blur_median_px,blur_p90_px,blur_max_px,subframes,step,phase,support,"
+      "stamp_ns,status,live_status,restarted,features,inliers,blur_median_px,blur_p90_px,blur_max_px,subframes,step,"
+      "phase,support,"
       "left_contact,right_contact\n";
   const std::vector<ReportFrame> frames = ReportFrames(estimate);
   for (size_t i = 0; i < frames.size(); ++i) {
     const ReportFrame& f = frames[i];
     const GaitState gait = f.gait.value_or(GaitState());
-    csv +=
-        fmt::format("{},{},{:d},{},{},{:.3f},{:.3f},{:.3f},{},{},{:.3f},{},{:d},{:d}\n", f.stamp_ns, ToString(f.status),
-                    f.restarted, f.features, f.inliers, f.blur_median_px, f.blur_p90_px, f.blur_max_px,
-                    entries_[i].subframes, gait.step, gait.phase, Name(gait.support), f.left_contact, f.right_contact);
+    csv += fmt::format("{},{},{},{:d},{},{},{:.3f},{:.3f},{:.3f},{},{},{:.3f},{},{:d},{:d}\n", f.stamp_ns,
+                       ToString(f.status), ToString(f.live), f.restarted, f.features, f.inliers, f.blur_median_px,
+                       f.blur_p90_px, f.blur_max_px, entries_[i].subframes, gait.step, gait.phase, Name(gait.support),
+                       f.left_contact, f.right_contact);
   }
   return csv;
 }

@@ -196,6 +196,9 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   }
 
   WriteTrajectory(folder.path() / "estimate.txt", estimate.ToTrajectory(), TrajectoryFormat::kTum);
+  if (!estimate.live.empty()) {
+    WriteTrajectory(folder.path() / "live.txt", PosesOf(estimate.live), TrajectoryFormat::kTum);
+  }
   WriteCovariances(folder.path() / "covariances.csv", estimate.frames);
   WriteTrajectory(folder.path() / "truth.txt", log.truth(), TrajectoryFormat::kTum);
   folder.WriteText("frames.csv", log.ToCsv(estimate));

@@ -29,6 +29,7 @@ void TrackingThread::Run() {
     }
     const Clock::time_point finish = Clock::now();
     FinalEstimate last = system_->Finish();
+    if (!last.saw_all_first) estimate_.live = estimate_.frames;
     std::map<int64_t, FrameEstimate> refined;
     for (FrameEstimate& frame : last.frames) refined[frame.stamp_ns] = std::move(frame);
     for (FrameEstimate& frame : estimate_.frames) {

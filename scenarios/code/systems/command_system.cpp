@@ -101,7 +101,9 @@ void PlaceByStamp(const Trajectory& trajectory, int64_t max_difference_ns, std::
     if (at < trajectory.size() && distance(at) <= max_difference_ns) {
       frame.status = TrackingStatus::kTracking;
       frame.pose = trajectory[at].pose;
+      frame.pose_delay_ns = trajectory[at].stamp_ns - frame.stamp_ns;
       had_pose = true;
+      ++at;  // a pose is of one frame
     } else {
       frame.status = had_pose ? TrackingStatus::kLost : TrackingStatus::kInitializing;
       frame.pose.reset();
@@ -131,6 +133,7 @@ FinalEstimate CommandSystem::Finish() {
   dataset_->Finish();
   FinalEstimate answer;
   answer.frames = Run();
+  answer.saw_all_first = true;
   answer.keyframes_only = command_.interface == CommandInterface::kVslamlab;
   answer.failure = failure_;
   dataset_.reset();

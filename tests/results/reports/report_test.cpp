@@ -129,7 +129,7 @@ struct MappingRun : MadeUpRun {
     cv::normalize(floor.grey, floor.grey, 20, 230, cv::NORM_MINMAX);
     const FloorPicture picture = MapAlongTheWay(floor);
     map = CompareFloor(picture, floor, {});
-    input.sections.push_back(FloorReportSection(map, truth, scores.aligned_se3));
+    input.sections.push_back(FloorReportSection(map, truth, scores.last.aligned_se3));
     scores.scores.insert(scores.scores.end(), map.scores.begin(), map.scores.end());
   }
 
@@ -151,7 +151,7 @@ struct MappingRun : MadeUpRun {
   }
 };
 
-/// The same run, straight ahead instead of on a circle, by a system that chose its world anew.
+/// The same run, straight ahead instead of on a circle, by a system that jumps once.
 struct StraightRun : MadeUpRun {
   StraightRun() {
     for (size_t i = 0; i < truth.size(); ++i)
@@ -246,7 +246,7 @@ TEST(Report, ALongStraightPathIsDrawnWide) {
   WriteReport(page, run.input);
   const Browsed browsed = Browse(page);
   ExpectAllDrawn(browsed, "8");
-  EXPECT_THAT(browsed.dom, HasSubstr("world chosen anew"));
+  EXPECT_THAT(browsed.dom, HasSubstr(">jump</li>"));
 }
 
 TEST(Report, ARunThatFellWithoutScoresIsToldLoudlyAndStillDrawn) {

@@ -113,22 +113,40 @@ TEST(Association, TheChoiceIsTheBestOfAll) {
   }
 }
 
-TEST(Association, ARestartAtAFrameWithoutPartnerIsCarriedToTheNextPair) {
-  const Trajectory walk = SwayingCircle(6, 1, 1);
-  Estimate estimate;
+std::vector<FrameEstimate> LateBy(int64_t late_ns, const Trajectory& walk) {
+  std::vector<FrameEstimate> answer;
   for (const StampedPose& p : walk) {
     FrameEstimate frame;
     frame.stamp_ns = p.stamp_ns;
     frame.pose = p.pose;
-    estimate.frames.push_back(frame);
+    frame.pose_delay_ns = late_ns;
+    answer.push_back(frame);
   }
-  estimate.frames[0].restarted = true;  // choosing the first world is no restart
-  estimate.frames[2].restarted = true;
+  return answer;
+}
+
+TEST(Association, PosesAreComparedAtTheirOwnInstant) {
+  const Trajectory walk = SwayingCircle(60, 1, 3);
+  // The last pose lies beyond the truth and finds no partner within 10 ms.
+  const std::vector<PosePair> late = AssociatePoses(LateBy(12'000'000, walk), walk, {});
+  ASSERT_EQ(late.size(), 59u);
+  for (size_t k = 0; k < late.size(); ++k) {
+    EXPECT_EQ(late[k].stamp_ns, walk[k].stamp_ns + 12'000'000);
+    EXPECT_GT((late[k].truth.translation - walk[k].pose.translation).norm(), 0.005) << k;  // the camera went on
+  }
+  const std::vector<PosePair> exact = AssociatePoses(LateBy(0, walk), walk, {});
+  ASSERT_EQ(exact.size(), 60u);
+  for (size_t k = 0; k < exact.size(); ++k) EXPECT_EQ(exact[k].truth.translation, walk[k].pose.translation);
+}
+
+TEST(Association, WhereTheTruthHasAGapNothingIsInterpolated) {
+  const Trajectory walk = SwayingCircle(60, 1, 3);
   Trajectory truth = walk;
-  truth.erase(truth.begin() + 2);
-  const std::vector<PosePair> pairs = AssociatePoses(estimate, truth, {});
-  ASSERT_EQ(pairs.size(), 5u);
-  for (size_t k = 0; k < pairs.size(); ++k) EXPECT_EQ(pairs[k].restarted, k == 2) << k;
+  truth.erase(truth.begin() + 20, truth.begin() + 26);  // 233 ms
+  EXPECT_EQ(AssociatePoses(LateBy(0, walk), truth, {}).size(), 54u);
+  AssociationOptions wide;
+  wide.max_gap_ms = 300;
+  EXPECT_EQ(AssociatePoses(LateBy(0, walk), truth, wide).size(), 60u);
 }
 
 TEST(Association, StampsThatGoBackAreRefused) {

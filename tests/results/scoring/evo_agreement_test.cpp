@@ -276,7 +276,7 @@ struct Compared {
       estimate.push_back(estimate_path.poses[p.estimate]);
     }
     if (alignment != Alignment::kNone) AlignTo(reference, estimate, alignment == Alignment::kSim3);
-    ours = AssociatePoses(EstimateOf(files.estimate), files.truth, NearestStamps(7));
+    ours = AssociatePoses(EstimateOf(files.estimate).frames, files.truth, NearestStamps(7));
     ours = Apply(Align(ours, alignment).X_WV, ours);
   }
   static Estimate EstimateOf(const Trajectory& trajectory) {
@@ -338,9 +338,11 @@ TEST_P(EvoAgreementUnder, RelativeErrorsOverMetres) {
       for (const double part_of_path : {0.04, 0.15}) {  // the unaligned estimate has a length unit of its own
         const std::vector<Matrix>& path = of_truth ? c.reference : c.estimate;
         const double delta = part_of_path * PathOf(path);
-        ExpectSameRelativeErrors(
-            c, PairsByPath(path, delta, 0.1 * delta, all),
-            {.delta = delta, .unit = DeltaUnit::kMeters, .all_pairs = all, .path_of_truth = of_truth});
+        ExpectSameRelativeErrors(c, PairsByPath(path, delta, 0.1 * delta, all),
+                                 {.delta = delta,
+                                  .unit = DeltaUnit::kMeters,
+                                  .all_pairs = all,
+                                  .path = of_truth ? RpePath::kTruth : RpePath::kEstimate});
       }
     }
   }

@@ -64,12 +64,12 @@ TEST(Score, AWrongScaleIsForgivenUnderSim3OnlyAndStated) {
 
 TEST(Score, BothAlignmentsComeWithTheirPathsAndErrors) {
   const Scores s = ScoreEstimate(Answers(kWalk, 10, 100, 130), kWalk, Stamps(kWalk), {});
-  EXPECT_EQ(s.pairs.size(), 260u);
-  for (const size_t size : {s.aligned_se3.size(), s.aligned_sim3.size(), s.error_se3_m.size(), s.error_sim3_m.size(),
-                            s.error_rot_deg.size()}) {
+  EXPECT_EQ(s.last.pairs.size(), 260u);
+  for (const size_t size : {s.last.aligned_se3.size(), s.last.aligned_sim3.size(), s.last.error_se3_m.size(),
+                            s.last.error_sim3_m.size(), s.last.error_rot_deg.size()}) {
     EXPECT_EQ(size, 260u);
   }
-  EXPECT_LT((s.aligned_sim3.back().pose.translation - kWalk.back().pose.translation).norm(), 1e-9);
+  EXPECT_LT((s.last.aligned_sim3.back().pose.translation - kWalk.back().pose.translation).norm(), 1e-9);
 }
 
 TEST(Score, CoverageCountsWhatHasNoPose) {
@@ -117,15 +117,60 @@ TEST(Score, StampsFromAnotherClockAreNoScoreAndTheTextSaysWhy) {
   }
 }
 
-TEST(Score, ARestartIsCountedAndNotForgiven) {
+TEST(Score, WhatASystemSaysOfARestartChangesNoOtherScore) {
   Estimate answers = Answers(kWalk);
   const double before = ScoreEstimate(answers, kWalk, Stamps(kWalk), {}).Value("ate_sim3_rmse_m");
   for (size_t i = 150; i < 300; ++i) answers.frames[i].pose->translation *= 0.3;
+  const Scores silent = ScoreEstimate(answers, kWalk, Stamps(kWalk), {});
   answers.frames[150].restarted = true;
+  const Scores said = ScoreEstimate(answers, kWalk, Stamps(kWalk), {});
+  EXPECT_EQ(said.Value("restarts"), 1);
+  EXPECT_EQ(silent.Value("jumps"), 1);
+  EXPECT_GT(said.Value("ate_sim3_rmse_m"), before + 0.1);
+  EXPECT_THAT(said.remarks, testing::Contains(HasSubstr("chose its world anew 1 time;")));
+  for (size_t k = 0; k < said.scores.size(); ++k) {
+    if (said.scores[k].name == "restarts" || std::isnan(said.scores[k].value)) continue;
+    EXPECT_EQ(said.scores[k].value, silent.scores[k].value) << said.scores[k].name;
+  }
+}
+
+// Live it was lost for 50 frames, and noisy; finally all is known.
+TEST(Score, BothAnswersAreScoredByTheSameMeasures) {
+  RandomStream random(3, "live");
+  Estimate answers = Answers(kWalk);
+  answers.live = Answers(Noisy(kWalk, random, 0.004, 0.002), 0, 100, 150).frames;
   const Scores s = ScoreEstimate(answers, kWalk, Stamps(kWalk), {});
-  EXPECT_EQ(s.Value("restarts"), 1);
-  EXPECT_GT(s.Value("ate_sim3_rmse_m"), before + 0.1);
-  EXPECT_THAT(s.remarks, testing::Contains(HasSubstr("chose its world anew 1 time;")));
+  EXPECT_EQ(s.Value("coverage_ratio"), 1);
+  EXPECT_NEAR(s.Value("live_coverage_ratio"), 250.0 / 300, 1e-12);
+  EXPECT_EQ(s.Value("live_lost_frames"), 50);
+  EXPECT_LT(s.Value("ate_rmse_m"), 1e-9);
+  EXPECT_NEAR(s.Value("live_ate_rmse_m"), 0.004 * std::sqrt(3), 0.0008);  // 750 coordinates: 4 standard errors
+  ASSERT_TRUE(s.live.has_value());
+  EXPECT_EQ(s.live->pairs.size(), 250u);
+  // The same answer has the same scores, whichever it is.
+  answers.live = answers.frames;
+  const Scores same = ScoreEstimate(answers, kWalk, Stamps(kWalk), {});
+  int compared = 0;
+  for (const Score& score : same.scores) {
+    if (!score.name.starts_with("live_") || std::isnan(score.value)) continue;
+    EXPECT_EQ(score.value, same.Value(score.name.substr(5))) << score.name;
+    ++compared;
+  }
+  EXPECT_GT(compared, 40);
+}
+
+TEST(Score, WithoutALiveAnswerThereAreNoLiveScores) {
+  const Scores s = ScoreEstimate(Answers(kWalk), kWalk, Stamps(kWalk), {});
+  EXPECT_THROW(s.Value("live_coverage_ratio"), BadInput);
+}
+
+TEST(Score, ALiveAnswerThatCoversNextToNothingHasItsCoverageOnly) {
+  Estimate answers = Answers(kWalk);
+  answers.live = Answers(kWalk, 295).frames;
+  const Scores s = ScoreEstimate(answers, kWalk, Stamps(kWalk), {});
+  EXPECT_NEAR(s.Value("live_coverage_ratio"), 5.0 / 300, 1e-12);
+  EXPECT_TRUE(std::isnan(s.Value("live_ate_rmse_m")));
+  EXPECT_TRUE(std::isnan(s.Value("live_rpe_trans_rmse_m_1s")));
 }
 
 TEST(Score, TheFirstWorldIsNoRestart) {
@@ -254,10 +299,12 @@ TEST(ScoresJson, HoldsEveryScoreToTheLastBit) {
   size_t i = 0;
   for (const auto& [name, value] : json["scores"].items()) {
     EXPECT_EQ(name, s.scores[i].name);  // in order
-    EXPECT_EQ(value.get<double>(), s.scores[i++].value);
+    const double number = value.is_null() ? std::nan("") : value.get<double>();
+    EXPECT_TRUE(number == s.scores[i].value || (std::isnan(number) && std::isnan(s.scores[i].value))) << name;
+    ++i;
   }
   EXPECT_EQ(json["timing"]["track_ms_mean"], 12.5);
-  EXPECT_EQ(json["alignment"]["sim3"]["scale"].get<double>(), s.sim3.X_WV.scale);
+  EXPECT_EQ(json["alignment"]["sim3"]["scale"].get<double>(), s.last.sim3.X_WV.scale);
   EXPECT_EQ(json["alignment"]["se3"]["rotation_xyzw"].size(), 4u);
 }
 

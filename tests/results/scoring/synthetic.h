@@ -72,8 +72,7 @@ inline std::vector<int64_t> Stamps(const Trajectory& trajectory) {
 
 inline std::vector<PosePair> PairUp(const Trajectory& truth, const Trajectory& estimate) {
   std::vector<PosePair> pairs;
-  for (size_t i = 0; i < truth.size(); ++i)
-    pairs.push_back({truth[i].stamp_ns, truth[i].pose, estimate[i].pose, false});
+  for (size_t i = 0; i < truth.size(); ++i) pairs.push_back({truth[i].stamp_ns, truth[i].pose, estimate[i].pose, {}});
   return pairs;
 }
 

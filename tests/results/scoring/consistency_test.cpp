@@ -1,0 +1,82 @@
+#include "results/scoring/consistency.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/results/scoring/synthetic.h"
+
+namespace gaitcam {
+namespace {
+
+/// An odometry whose every step has errors of the given standard deviations, and says so; `claim` times as large.
+std::vector<PosePair> Odometry(uint64_t seed, double claim) {
+  const Trajectory truth = SwayingCircle(400, 1, 3);
+  constexpr double kRho = 0.002, kPhi = 0.001;
+  Vector6d sigma;
+  sigma << kRho, kRho, kRho, kPhi, kPhi, kPhi;
+  const Matrix6d step_covariance = (claim * claim * sigma.array().square()).matrix().asDiagonal();
+  RandomStream random(seed, "nees");
+  std::vector<PosePair> pairs;
+  Pose estimate = truth.front().pose;
+  Matrix6d covariance = 1e-14 * Matrix6d::Identity();
+  for (size_t i = 0; i < truth.size(); ++i) {
+    if (i > 0) {
+      Vector6d error;
+      for (int k = 0; k < 6; ++k) error[k] = sigma[k] * random.Normal();
+      const Pose step = truth[i - 1].pose.Inverse() * truth[i].pose * ExpSe3(error);
+      const Matrix6d carry = Adjoint(step.Inverse());
+      estimate = estimate * step;
+      covariance = Matrix6d(carry * covariance * carry.transpose()) + step_covariance;
+    }
+    pairs.push_back({truth[i].stamp_ns, truth[i].pose, estimate, covariance});
+  }
+  return pairs;
+}
+
+double MeanOverWalks(double claim, bool relative) {
+  double sum = 0;
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    const std::vector<PosePair> pairs = Odometry(seed, claim);
+    sum += MeanNees(relative ? RelativeNees(pairs, 1) : AbsoluteNees(pairs));
+  }
+  return sum / 100;
+}
+
+// 100 walks of about 12 independent seconds: the mean of 7200 squared normals has a standard error of 1.7 %; absolute
+// errors of one walk hang together, so that each walk gives some two of them: 4 %.
+TEST(Consistency, OfAnHonestOdometryIsOne) {
+  EXPECT_NEAR(MeanOverWalks(1, true), 1, 0.06);
+  EXPECT_NEAR(MeanOverWalks(1, false), 1, 0.15);
+}
+
+TEST(Consistency, GoesWithTheSquareOfWhatIsClaimed) {
+  const std::vector<PosePair> honest = Odometry(1, 1), bold = Odometry(1, 0.5);
+  EXPECT_NEAR(MeanNees(AbsoluteNees(bold)) / MeanNees(AbsoluteNees(honest)), 4, 1e-3);
+  EXPECT_NEAR(MeanNees(RelativeNees(bold, 1)) / MeanNees(RelativeNees(honest, 1)), 4, 1e-3);
+}
+
+TEST(Consistency, NineteenOfTwentyLieInTheBand) {
+  double share = 0;
+  for (uint64_t seed = 1; seed <= 100; ++seed) share += ShareInBand(RelativeNees(Odometry(seed, 1), 1)) / 100;
+  EXPECT_NEAR(share, 0.95, 0.02);  // 1200 independent seconds: 0.6 % standard error
+}
+
+// The estimator's world and the truth's are strangers.
+TEST(Consistency, DoesNotDependOnWhereTheWorldLies) {
+  std::vector<PosePair> pairs = Odometry(1, 1);
+  const double before = MeanNees(AbsoluteNees(pairs)), relative = MeanNees(RelativeNees(pairs, 1));
+  const Pose X(Eigen::Matrix3d(RotZ(1)), {3, 4, 5});
+  for (PosePair& pair : pairs) pair.estimate = X * pair.estimate;
+  EXPECT_NEAR(MeanNees(AbsoluteNees(pairs)), before, 1e-6 * before);
+  EXPECT_NEAR(MeanNees(RelativeNees(pairs, 1)), relative, 1e-6 * relative);
+}
+
+TEST(Consistency, WithoutCovariancesNothingIsSaid) {
+  std::vector<PosePair> pairs = Odometry(1, 1);
+  for (PosePair& pair : pairs) pair.covariance.reset();
+  EXPECT_TRUE(AbsoluteNees(pairs).empty());
+  EXPECT_TRUE(RelativeNees(pairs, 1).empty());
+  EXPECT_TRUE(std::isnan(MeanNees({})));
+}
+
+}  // namespace
+}  // namespace gaitcam
