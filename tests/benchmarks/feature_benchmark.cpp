@@ -4,16 +4,14 @@
 
 #include <benchmark/benchmark.h>
 
-#include <chrono>
 #include <opencv2/imgproc.hpp>
 
 #include "algorithms/features/features.h"
 #include "tests/algorithms/features/psf_fixtures.h"
+#include "tests/benchmarks/stopwatch.h"
 
 namespace gaitcam {
 namespace {
-
-double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// graf1 of Debian's opencv-doc at the size asked for; real blur: light added up, noise of sigma 2.
 cv::Mat Film(const cv::Size& size, double extent_px) {

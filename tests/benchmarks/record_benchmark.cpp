@@ -11,17 +11,15 @@
 #include <benchmark/benchmark.h>
 #include <time.h>
 
-#include <chrono>
 #include <thread>
 
 #include "scenarios/code/files/scenario.h"
 #include "scenarios/code/runs/recorder.h"
+#include "tests/benchmarks/stopwatch.h"
 #include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
-
-double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double ProcessorTime(clockid_t of) {
   timespec time;
