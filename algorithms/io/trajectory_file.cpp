@@ -1,6 +1,9 @@
 #include "algorithms/io/trajectory_file.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "algorithms/core/errors.h"
@@ -79,18 +82,39 @@ void CheckIncreases(const TextTable& table, const Trajectory& trajectory, int64_
              SecondsText(trajectory.back().stamp_ns) + " s)");
 }
 
-Trajectory ReadStamped(const std::filesystem::path& file, TrajectoryFormat format) {
+Trajectory ReadStamped(const std::filesystem::path& file, TrajectoryFormat format, StampOrder order) {
   TextTable table(file, format == TrajectoryFormat::kTum ? ' ' : ',');
   Trajectory trajectory;
   while (table.Next()) {
     const StampedPose pose = format == TrajectoryFormat::kTum ? TumPose(table) : EurocPose(table);
-    CheckIncreases(table, trajectory, pose.stamp_ns);
+    if (order == StampOrder::kStrict) CheckIncreases(table, trajectory, pose.stamp_ns);
     trajectory.push_back(pose);
   }
   return trajectory;
 }
 
-Trajectory ReadKitti(const std::filesystem::path& file, const std::filesystem::path& times_file) {
+/// Sorts and keeps the first of equal stamps. @returns what there was to do.
+std::vector<std::string> Repair(const std::filesystem::path& file, Trajectory& trajectory) {
+  std::vector<std::string> remarks;
+  const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; };
+  size_t back = 0;
+  for (size_t i = 1; i < trajectory.size(); ++i) back += earlier(trajectory[i], trajectory[i - 1]) ? 1 : 0;
+  if (back > 0) {
+    std::stable_sort(trajectory.begin(), trajectory.end(), earlier);
+    remarks.push_back(fmt::format("{}: {} row{} earlier than the one before: sorted by time", file.string(), back,
+                                  back == 1 ? " is" : "s are"));
+  }
+  const size_t rows = trajectory.size();
+  const auto same = [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns == b.stamp_ns; };
+  trajectory.erase(std::unique(trajectory.begin(), trajectory.end(), same), trajectory.end());
+  if (const size_t twice = rows - trajectory.size(); twice > 0) {
+    remarks.push_back(fmt::format("{}: {} row{} the stamp of another: the first is kept", file.string(), twice,
+                                  twice == 1 ? " has" : "s have"));
+  }
+  return remarks;
+}
+
+Trajectory ReadKitti(const std::filesystem::path& file, const std::filesystem::path& times_file, StampOrder order) {
   TextTable table(file, ' ');
   std::optional<TextTable> times;
   if (!times_file.empty()) times.emplace(times_file, ' ');
@@ -100,7 +124,7 @@ Trajectory ReadKitti(const std::filesystem::path& file, const std::filesystem::p
     if (times) {
       if (!times->Next()) table.Fail("has no time: " + times_file.string() + " has fewer rows");
       stamp_ns = times->SecondsAsNs(0, "a time in seconds");
-      CheckIncreases(*times, trajectory, stamp_ns);
+      if (order == StampOrder::kStrict) CheckIncreases(*times, trajectory, stamp_ns);
     }
     trajectory.push_back({stamp_ns, KittiPose(table)});
   }
@@ -120,11 +144,12 @@ TrajectoryFormat TrajectoryFormatFromText(const std::string& text) {
 }
 
 TrajectoryFile ReadTrajectory(const std::filesystem::path& file, std::optional<TrajectoryFormat> format,
-                              const std::filesystem::path& kitti_times) {
+                              const std::filesystem::path& kitti_times, StampOrder order) {
   TrajectoryFile result;
   result.format = format ? *format : FormatOf(file);
-  result.trajectory =
-      result.format == TrajectoryFormat::kKitti ? ReadKitti(file, kitti_times) : ReadStamped(file, result.format);
+  result.trajectory = result.format == TrajectoryFormat::kKitti ? ReadKitti(file, kitti_times, order)
+                                                                : ReadStamped(file, result.format, order);
+  if (order == StampOrder::kRepaired) result.remarks = Repair(file, result.trajectory);
   if (result.trajectory.empty()) throw BadInput(file.string() + ": holds no pose");
   return result;
 }

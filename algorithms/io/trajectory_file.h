@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "algorithms/core/enum_words.h"
 #include "algorithms/core/trajectory.h"
@@ -29,18 +30,25 @@ std::string ToString(TrajectoryFormat format);
 /// @throws BadInput naming the unknown word and the known ones.
 TrajectoryFormat TrajectoryFormatFromText(const std::string& text);
 
+/// What is done about stamps that do not increase: files of real recordings have such. The TUM benchmark's own truth of
+/// freiburg2_desk holds a stamp twice, and so may ORB-SLAM's files of key frames.
+enum class StampOrder { kStrict, kRepaired };
+
 struct TrajectoryFile {
   TrajectoryFormat format = TrajectoryFormat::kTum;
   Trajectory trajectory;
+  std::vector<std::string> remarks;  ///< What was repaired, a line each.
 };
 
 /// Reads a trajectory; unless said, its format is told by the first row: commas mean EuRoC, 12 numbers KITTI, 8 TUM.
 /// A KITTI file's stamps are taken from `kitti_times` (one time in seconds per line), or are its row numbers as
 /// seconds.
+/// @param order kRepaired: rows are sorted by their stamps, of equal ones the first in the file is kept, and both are
+/// remarked.
 /// @throws BadInput "file:line: what is wrong and what would be right": not a number, too few or too many fields, a
-/// quaternion or matrix that is no rotation, stamps that do not increase, no pose at all.
+/// quaternion or matrix that is no rotation, stamps that do not increase (kStrict), no pose at all.
 TrajectoryFile ReadTrajectory(const std::filesystem::path& file, std::optional<TrajectoryFormat> format = {},
-                              const std::filesystem::path& kitti_times = {});
+                              const std::filesystem::path& kitti_times = {}, StampOrder order = StampOrder::kStrict);
 
 /// Writes a whole file or none. Numbers are written so that they read back to the same bits (KITTI's rotation: to
 /// 1e-15).

@@ -31,6 +31,7 @@ Json ToJson(const MeasuredRun& run) {
   if (!run.reason.empty()) json["reason"] = run.reason;
   json["values"] = Json::object();
   for (const auto& [name, value] : run.values) json["values"][name] = value;  // NaN becomes null
+  for (const auto& [name, values] : run.history) json["history"][name] = values;
   return json;
 }
 
@@ -42,6 +43,12 @@ MeasuredRun RunFrom(const Json& json) {
   run.reason = json.value("reason", "");
   for (const auto& [name, value] : json.at("values").items()) {
     run.values[name] = value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+  }
+  if (!json.contains("history")) return run;
+  for (const auto& [name, values] : json.at("history").items()) {
+    for (const Json& value : values) {
+      run.history[name].push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());
+    }
   }
   return run;
 }

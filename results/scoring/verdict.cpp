@@ -44,6 +44,7 @@ Spread SpreadOf(const std::vector<double>& values) {
 /// The values of one metric on both sides, in the order of the baseline's seeds.
 struct Pairs {
   std::vector<double> before, now;          ///< Of seeds with both.
+  std::vector<const MeasuredRun*> runs;     ///< The baseline's of these seeds.
   std::vector<double> all_before, all_now;  ///< Of all that have any.
   int left_out = 0;
   int vanished = 0;  ///< Seeds of runs that are scored now as before, but without this value.
@@ -55,6 +56,7 @@ Pairs PairCoverage(const MeasuredEntry& before, const MeasuredEntry& now) {
     const MeasuredRun* other = Find(now, run.seed);
     pairs.left_out += other == nullptr;
     if (other == nullptr) continue;
+    pairs.runs.push_back(&run);
     pairs.before.push_back(CoverageOf(run));
     pairs.now.push_back(CoverageOf(*other));
   }
@@ -77,6 +79,7 @@ Pairs PairMetric(const MeasuredEntry& before, const MeasuredEntry& now, const st
     if (std::isfinite(a)) pairs.all_before.push_back(a);
     if (std::isfinite(b)) pairs.all_now.push_back(b);
     if (std::isfinite(a) && std::isfinite(b) && !is_lost) {
+      pairs.runs.push_back(&run);
       pairs.before.push_back(a);
       pairs.now.push_back(b);
       continue;
@@ -102,6 +105,32 @@ std::pair<bool, bool> TestShift(const std::vector<double>& worse, const GateRule
   verdict.p_worse = test.p_greater;
   verdict.p_better = test.p_less;
   return {test.p_greater <= rules.alpha, test.p_less <= rules.alpha};
+}
+
+/// A seed's worst loss in the baseline and its re-runs.
+double WorstOf(const MeasuredRun& run, double value, const GatedMetric& metric) {
+  double worst = LossOf(value, metric.better);
+  const auto history = run.history.find(metric.name);
+  if (history == run.history.end()) return worst;
+  for (const double other : history->second) {
+    if (std::isfinite(other)) worst = std::max(worst, LossOf(other, metric.better));
+  }
+  return worst;
+}
+
+/// Turns the verdict into a regression if a single seed is far outside its own history. What a seed lost in coverage,
+/// lost_below judges.
+void JudgeSeeds(const Pairs& pairs, const GateRules& rules, MetricVerdict& verdict) {
+  if (rules.seed_margins <= 0 || verdict.margin <= 0) return;
+  for (size_t i = 0; i < pairs.now.size(); ++i) {
+    const double worst = WorstOf(*pairs.runs[i], pairs.before[i], verdict.metric);
+    const double now = LossOf(pairs.now[i], verdict.metric.better);
+    if (!(now - worst > rules.seed_margins * verdict.margin)) continue;
+    if (verdict.far_seeds++ > 0 || verdict.outcome == Outcome::kRegression) continue;
+    verdict.outcome = Outcome::kRegression;
+    verdict.reason = fmt::format("seed {}: {:.4g}, before {:.4g}; worse than all its history by more than {:g} margins",
+                                 pairs.runs[i]->seed, pairs.now[i], pairs.before[i], rules.seed_margins);
+  }
 }
 
 MetricVerdict JudgePairs(const GatedMetric& metric, const Pairs& pairs, const GateRules& rules) {
@@ -194,6 +223,7 @@ EntryVerdict JudgeEntry(const MeasuredEntry& before, const MeasuredEntry& now, c
   for (const GatedMetric& metric : metrics) {
     const Pairs pairs = PairMetric(before, now, metric.name, entry.lost);
     MetricVerdict verdict = JudgePairs(metric, pairs, rules);
+    JudgeSeeds(pairs, rules, verdict);
     if (!covered) {
       verdict.outcome = Outcome::kNotJudged;
       verdict.reason = "coverage was lost";

@@ -2,7 +2,8 @@
 /// between seeds (path, floor, noise) cancel.
 ///
 /// A metric regresses when the paired difference is both beyond its practical margin and significant; either alone is
-/// noise, or too small to matter. Coverage is judged first: errors of a system that no longer covers the hard frames
+/// noise, or too small to matter. A single seed that is far outside its own history is a regression as well: a median
+/// over the seeds does not see it. Coverage is judged first: errors of a system that no longer covers the hard frames
 /// say nothing, so where coverage regresses accuracy is not judged. What cannot be judged never passes.
 
 #pragma once
@@ -27,6 +28,8 @@ struct MeasuredRun {
   RunState state = RunState::kScored;
   std::string reason;                    ///< Why it is not scored, or how it crashed.
   std::map<std::string, double> values;  ///< The metrics that gate, by name; NaN where the run does not determine one.
+  /// Of a baseline: the same of re-runs in which only the system's random stream differs.
+  std::map<std::string, std::vector<double>> history;
 
   /// NaN if it is not there.
   double Value(const std::string& metric) const;
@@ -61,6 +64,8 @@ struct GateRules {
   double coverage_margin = 0.02;
   double lost_below = 0.5;
   int lost_runs_allowed = 0;
+  int history = 4;
+  double seed_margins = 5;
 };
 
 template <class Visitor>
@@ -76,6 +81,10 @@ void VisitFields(Visitor& visit, GateRules& o) {
         "a run that covers less than this part of what it covered before is lost");
   visit("lost_runs_allowed", o.lost_runs_allowed, Between(0, 100000),
         "more lost runs of one system on one scenario are a regression");
+  visit("history", o.history, Between(0, 1000),
+        "re-runs of each seed that a new baseline measures, with other random streams of the system: its own spread");
+  visit("seed_margins", o.seed_margins, Between(0, 1e6),
+        "a seed that is worse than all its history by more than so many margins is a regression; 0: is not judged");
 }
 
 enum class Outcome { kUnchanged, kImprovement, kRegression, kTooFewPairs, kNotJudged };
@@ -98,6 +107,7 @@ struct MetricVerdict {
   double p_worse = 1;   ///< Chance of looking so much worse by luck. NaN for the bootstrap, which has an interval.
   double p_better = 1;  ///< ... better.
   Spread interval;      ///< Bootstrap only: the shift's interval at 1 - 2 alpha.
+  int far_seeds = 0;    ///< Seeds far outside their own history.
 };
 
 /// A run that was scored in the baseline and is not any more, or that covers far less.

@@ -136,6 +136,8 @@ void AddScore(CLI::App& app, Arguments& a) {
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   verb->add_option("--out", a.score.out, "write the scores to this JSON file");
+  verb->add_flag("--strict", a.score.strict,
+                 "refuse stamps that do not increase (else rows are sorted, and of equal stamps the first is kept)");
   AddAll(*verb, a.score.all);
   verb->footer(
       "Examples:\n"

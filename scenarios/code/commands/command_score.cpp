@@ -11,13 +11,17 @@
 namespace gaitcam {
 
 int ScoreCommand(const ScoreArguments& arguments, const CommonOptions& common) {
-  const TrajectoryFile estimate = ReadTrajectory(arguments.estimate);
-  const TrajectoryFile truth = ReadTrajectory(arguments.truth);
+  const StampOrder order = arguments.strict ? StampOrder::kStrict : StampOrder::kRepaired;
+  const TrajectoryFile estimate = ReadTrajectory(arguments.estimate, {}, {}, order);
+  const TrajectoryFile truth = ReadTrajectory(arguments.truth, {}, {}, order);
   ScoreOptions options;
   OptionValue settings = ParseYaml("", "score");
   for (const std::string& assignment : arguments.sets) SetOption(settings, assignment);
   ReadOption(settings, options);
-  const Scores scores = ScoreEstimate(EstimateFromTrajectory(estimate.trajectory), truth.trajectory, {}, options);
+  Scores scores = ScoreEstimate(EstimateFromTrajectory(estimate.trajectory), truth.trajectory, {}, options);
+  for (const TrajectoryFile* file : {&estimate, &truth}) {
+    scores.remarks.insert(scores.remarks.end(), file->remarks.begin(), file->remarks.end());
+  }
   if (!arguments.out.empty()) WriteTextFile(arguments.out, ScoresToJson(scores));
   if (common.json) {
     fmt::print("{}", ScoresToJson(scores));

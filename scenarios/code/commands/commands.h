@@ -78,6 +78,7 @@ struct ScoreArguments {
   std::vector<std::string> sets;  ///< key=value of ScoreOptions, as under `score:` of a scenario.
   std::filesystem::path out;      ///< scores.json; empty: none.
   bool all = false;               ///< Print all scores.
+  bool strict = false;            ///< Stamps must increase.
 };
 int ScoreCommand(const ScoreArguments& arguments, const CommonOptions& common);
 

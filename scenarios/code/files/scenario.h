@@ -45,6 +45,12 @@ struct HandicapOptions {
   double pose_noise_deg = 0;
   int drop_every = 0;
   double focal_factor = 1;
+  double late_ms = 0;
+  double scale_factor = 1;
+  double yaw_deg_per_m = 0;
+  double jump = 0;
+  int garbage_every = 0;
+  int crash_at_frame = 0;
 };
 
 template <class Visitor>
@@ -55,6 +61,15 @@ void VisitFields(Visitor& visit, HandicapOptions& o) {
   visit("drop_every", o.drop_every, Between(0, 1000000), "every n-th frame never reaches the system; 0: all do");
   visit("focal_factor", o.focal_factor, Between(0.1, 10),
         "the system is told a focal length that is off by this factor");
+  visit("late_ms", o.late_ms, Between(-10000, 10000), "poses are stamped so much later than they are");
+  visit("scale_factor", o.scale_factor, Between(1e-6, 1e6), "all positions are multiplied by this");
+  visit("yaw_deg_per_m", o.yaw_deg_per_m, Between(-360, 360),
+        "the path bends by so much about the image's vertical per unit of the estimate's camera path");
+  visit("jump", o.jump, Between(0, 1000),
+        "from its 20th pose on the estimate is so far beside itself, in its own unit");
+  visit("garbage_every", o.garbage_every, Between(0, 1000000),
+        "for one seed in so many (those that it divides) poses are random; 0: for none");
+  visit("crash_at_frame", o.crash_at_frame, Between(0, 1000000000), "the system stops working there; 0: it does not");
 }
 
 /// `video:` the short film that goes with a report.

@@ -77,7 +77,21 @@ std::vector<std::string> RunsIn(RunState state, const std::vector<MeasuredEntry>
   return lines;
 }
 
+/// @param rerun of the same seeds in the same order.
+void AddToHistory(const std::vector<MeasuredRun>& rerun, std::vector<MeasuredRun>& runs) {
+  for (size_t k = 0; k < runs.size(); ++k) {
+    GAITCAM_ASSERT(rerun[k].seed == runs[k].seed);
+    for (const auto& [name, value] : rerun[k].values) runs[k].history[name].push_back(value);
+  }
+}
+
 }  // namespace
+
+SuiteVariant RerunOf(const Suite& suite, uint64_t number) {
+  SuiteVariant variant{fmt::format("re-run {}", number), suite.entries};
+  for (SuiteEntry& entry : variant.entries) entry.resolved.scenario.system_seed = 1'000'000 + number;
+  return variant;
+}
 
 SuiteMeasurement MeasureSuite(const Suite& suite, const std::vector<SuiteVariant>& variants,
                               const ExecutorOptions& options) {
@@ -148,6 +162,9 @@ Baseline MakeBaseline(const Suite& suite, const SuiteMeasurement& measurement) {
                                       measured[i].runs.front().reason));
     }
     baseline.entries.push_back({measured[i], suite.entries[i].resolved.OnAnyRenderer().ToYaml()});
+    for (size_t v = 1; v < measurement.variants.size(); ++v) {
+      AddToHistory(measurement.variants[v].entries[i].runs, baseline.entries.back().measured.runs);
+    }
   }
   return baseline;
 }

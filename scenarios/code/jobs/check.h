@@ -38,6 +38,10 @@ struct SuiteMeasurement {
 SuiteMeasurement MeasureSuite(const Suite& suite, const std::vector<SuiteVariant>& variants,
                               const ExecutorOptions& options);
 
+/// The suite with a random stream of the SLAM system that none of its seeds uses: re-runs differ in that alone.
+/// @param number tells re-runs apart.
+SuiteVariant RerunOf(const Suite& suite, uint64_t number);
+
 /// Compares entries with the baseline's of the same scenario and system; entries without one are left out.
 std::vector<EntryVerdict> JudgeAgainst(const Suite& suite, const Baseline& baseline,
                                        const std::vector<MeasuredEntry>& now);
@@ -46,6 +50,7 @@ std::vector<EntryVerdict> JudgeAgainst(const Suite& suite, const Baseline& basel
 /// no longer has.
 std::vector<std::string> NotesOn(const Suite& suite, const Baseline& baseline, const std::string& renderer);
 
+/// @param measurement of the suite as it stands and, after it, of re-runs, which become each seed's history.
 /// @throws BadInput if a run crashed; TooLittleData if no run of a system on a scenario has scores.
 Baseline MakeBaseline(const Suite& suite, const SuiteMeasurement& measurement);
 

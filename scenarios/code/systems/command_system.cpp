@@ -181,7 +181,8 @@ void CommandSystem::ReadAnswer() {
       PlaceByStamp(ReadKeyFrames(dataset_->answers()), HalfInterval(frames_), frames_);
       return;
     }
-    const Trajectory trajectory = ReadTrajectory(dataset_->output(), command_.format).trajectory;
+    const Trajectory trajectory =
+        ReadTrajectory(dataset_->output(), command_.format, {}, StampOrder::kRepaired).trajectory;
     if (command_.format == TrajectoryFormat::kKitti) {
       failure_ = PlaceByRow(trajectory, frames_);
     } else {

@@ -103,6 +103,21 @@ TEST_F(TrajectoryFiles, AnErrorNamesFileLineAndWhatWouldBeRight) {
   EXPECT_THAT(ErrorOf<BadInput>([&] { ReadTrajectory(folder_); }), HasSubstr("cannot read"));
 }
 
+// As the TUM benchmark's truth of freiburg2_desk holds a stamp twice.
+TEST_F(TrajectoryFiles, StampsOfTheRealWorldAreRepairedAndSaid) {
+  const auto file = Write(
+      "real.txt", "1.0 1 0 0 0 0 0 1\n2.0 2 0 0 0 0 0 1\n2.0 9 0 0 0 0 0 1\n4.0 4 0 0 0 0 0 1\n3.0 3 0 0 0 0 0 1\n");
+  EXPECT_THROW(ReadTrajectory(file), BadInput);
+  const TrajectoryFile repaired = ReadTrajectory(file, {}, {}, StampOrder::kRepaired);
+  ASSERT_EQ(repaired.trajectory.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(repaired.trajectory[i].pose.translation.x(), double(i + 1));
+  ASSERT_EQ(repaired.remarks.size(), 2u);
+  EXPECT_THAT(repaired.remarks[0], HasSubstr("real.txt: 1 row is earlier than the one before: sorted by time"));
+  EXPECT_THAT(repaired.remarks[1], HasSubstr("1 row has the stamp of another: the first is kept"));
+  const auto good = Write("good.txt", "1.0 1 0 0 0 0 0 1\n2.0 2 0 0 0 0 0 1\n");
+  EXPECT_TRUE(ReadTrajectory(good, {}, {}, StampOrder::kRepaired).remarks.empty());
+}
+
 TEST_F(TrajectoryFiles, KittiTimesMustMatchRowByRow) {
   const auto poses = Write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
   const auto refusal = [&](const std::string& times) {

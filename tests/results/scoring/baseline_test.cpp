@@ -16,13 +16,19 @@ namespace {
 using testing::HasSubstr;
 
 Baseline Example() {
-  MeasuredRun good{1, "abc", RunState::kScored, "", {{"coverage_ratio", 1}, {"ate_rmse_m", 0.1 + 0.2}}};
+  MeasuredRun good{1,
+                   "abc",
+                   RunState::kScored,
+                   "",
+                   {{"coverage_ratio", 1}, {"ate_rmse_m", 0.1 + 0.2}},
+                   {{"ate_rmse_m", {0.1, 0.7}}}};
   MeasuredRun odd{18446744073709551615u,
                   "def",
                   RunState::kScored,
                   "",
-                  {{"coverage_ratio", 0.5}, {"ate_rmse_m", std::numeric_limits<double>::quiet_NaN()}}};
-  MeasuredRun none{3, "ghi", RunState::kNotScored, "covers \"4\" %", {{"coverage_ratio", 0.04}}};
+                  {{"coverage_ratio", 0.5}, {"ate_rmse_m", std::numeric_limits<double>::quiet_NaN()}},
+                  {}};
+  MeasuredRun none{3, "ghi", RunState::kNotScored, "covers \"4\" %", {{"coverage_ratio", 0.04}}, {}};
   return {"smoke",
           "0.1.0",
           "finger",

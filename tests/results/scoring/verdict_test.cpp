@@ -56,6 +56,38 @@ TEST(Verdict, EqualRunsPass) {
   EXPECT_EQ(verdict.metrics[1].pairs, 8);
 }
 
+// Seven of eight seeds as before: neither the median nor a test of ranks sees the one.
+TEST(Verdict, ASingleSeedFarOutsideItsHistoryIsARegression) {
+  std::vector<double> now = kBefore;
+  now[2] = kBefore[2] + 0.06;  // six margins
+  const MetricVerdict verdict = Judge(Entry(kBefore), Entry(now), Metrics(0.01));
+  EXPECT_EQ(verdict.outcome, Outcome::kRegression);
+  EXPECT_EQ(verdict.far_seeds, 1);
+  EXPECT_THAT(verdict.reason, HasSubstr("seed 3: 0.15, before 0.09"));
+  now[2] = kBefore[2] + 0.04;
+  EXPECT_EQ(Judge(Entry(kBefore), Entry(now), Metrics(0.01)).outcome, Outcome::kUnchanged);
+  GateRules without;
+  without.seed_margins = 0;
+  now[2] = 1000;
+  EXPECT_EQ(Judge(Entry(kBefore), Entry(now), Metrics(0.01), without).outcome, Outcome::kUnchanged);
+}
+
+TEST(Verdict, WhatASeedDidBeforeIsNotFarOutside) {
+  MeasuredEntry before = Entry(kBefore);
+  before.runs[2].history[kMetric] = {0.08, 0.14, std::nan(""), 0.09};
+  std::vector<double> now = kBefore;
+  now[2] = 0.18;  // nine margins from the baseline's value, four from the worst re-run
+  EXPECT_EQ(Judge(before, Entry(now), Metrics(0.01)).outcome, Outcome::kUnchanged);
+  now[2] = 0.20;
+  EXPECT_EQ(Judge(before, Entry(now), Metrics(0.01)).outcome, Outcome::kRegression);
+}
+
+TEST(Verdict, ASeedFarBetterIsNone) {
+  std::vector<double> now = kBefore;
+  now[3] = 0.01;
+  EXPECT_EQ(Judge(Entry(kBefore), Entry(now), Metrics(0.01)).outcome, Outcome::kUnchanged);
+}
+
 TEST(Verdict, EverySeedWorseBeyondTheMarginIsARegression) {
   const MetricVerdict verdict = Judge(Entry(kBefore), Entry(Shifted(0.02)), Metrics(0.01));
   EXPECT_EQ(verdict.outcome, Outcome::kRegression);
@@ -72,7 +104,9 @@ TEST(Verdict, ALargeLossOfSomeSeedsIsNoneIfItMayBeLuck) {
   std::vector<double> now = kBefore;
   for (size_t i = 0; i < 5; ++i) now[i] += 0.5;
   for (size_t i = 5; i < 8; ++i) now[i] -= 0.45;
-  const MetricVerdict verdict = Judge(Entry(kBefore), Entry(now), Metrics(0.01));
+  GateRules pairs_alone;
+  pairs_alone.seed_margins = 0;
+  const MetricVerdict verdict = Judge(Entry(kBefore), Entry(now), Metrics(0.01), pairs_alone);
   EXPECT_GT(verdict.worse_by, 0.01);
   EXPECT_EQ(verdict.outcome, Outcome::kUnchanged);
 }
@@ -244,6 +278,7 @@ TEST(Verdict, TheBootstrapAgreesOnClearCases) {
   EXPECT_EQ(Judge(Entry(kBefore), Entry(kBefore), Metrics(0.01), rules).outcome, Outcome::kUnchanged);
   std::vector<double> half = kBefore;
   for (size_t i = 0; i < 8; ++i) half[i] += i % 2 == 0 ? 0.5 : -0.4;
+  rules.seed_margins = 0;
   EXPECT_EQ(Judge(Entry(kBefore), Entry(half), Metrics(0.01), rules).outcome, Outcome::kUnchanged);
 }
 

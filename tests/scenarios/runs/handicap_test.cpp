@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+
+#include "algorithms/core/se3.h"
 
 namespace gaitcam {
 namespace {
@@ -59,6 +62,84 @@ TEST(Handicap, EveryNthFrameIsDroppedButItsInertialReadingsAreNot) {
     EXPECT_EQ(answers[size_t(i - 1)].stamp_ns, i);
     EXPECT_EQ(answers[size_t(i - 1)].pose.has_value(), i % 3 != 0);
   }
+}
+
+/// Walks along the image's right, a decimetre a frame.
+class Walker : public System {
+ public:
+  FrameEstimate Track(const Observation& observation) override {
+    FrameEstimate answer;
+    answer.stamp_ns = observation.stamp_ns;
+    answer.status = TrackingStatus::kTracking;
+    answer.pose = Pose(Eigen::Quaterniond::Identity(), {0.1 * double(++frame_), 0, 0});
+    said_.push_back(answer);
+    return answer;
+  }
+  FinalEstimate Finish() override { return {said_, {}, "", false, false}; }
+
+ private:
+  int frame_ = 0;
+  std::vector<FrameEstimate> said_;
+};
+
+/// Both answers of a handicapped walker over 40 frames.
+std::pair<std::vector<FrameEstimate>, FinalEstimate> WalkWith(const HandicapOptions& options, uint64_t seed = 1) {
+  EXPECT_TRUE(IsHandicap(options));
+  HandicappedSystem system(std::make_unique<Walker>(), options, seed);
+  std::vector<FrameEstimate> live;
+  for (int i = 1; i <= 40; ++i) {
+    Observation observation;
+    observation.stamp_ns = i;
+    live.push_back(system.Track(observation));
+  }
+  return {live, system.Finish()};
+}
+
+TEST(Handicap, PosesAreStampedLate) {
+  HandicapOptions options;
+  options.late_ms = 20;
+  const auto [live, last] = WalkWith(options);
+  for (const auto* frames : {&live, &last.frames}) {
+    for (const FrameEstimate& frame : *frames) EXPECT_EQ(frame.pose_delay_ns, 20'000'000);
+  }
+}
+
+TEST(Handicap, ScaleAndJumpAreOfBothAnswers) {
+  HandicapOptions options;
+  options.scale_factor = 1.03;
+  options.jump = 0.05;
+  const auto [live, last] = WalkWith(options);
+  for (const auto* frames : {&live, &last.frames}) {
+    EXPECT_NEAR((*frames)[9].pose->translation.x(), 1.03 * 1.0, 1e-12);
+    EXPECT_NEAR((*frames)[29].pose->translation.x(), 1.03 * 3.05, 1e-12);
+  }
+}
+
+TEST(Handicap, ThePathBendsByTheAngleAskedFor) {
+  HandicapOptions options;
+  options.yaw_deg_per_m = 10;
+  const auto [live, last] = WalkWith(options);
+  for (const auto* frames : {&live, &last.frames}) {
+    const Pose between = frames->front().pose->Inverse() * *frames->back().pose;  // 3.9 m
+    EXPECT_NEAR(LogSo3(between.rotation).y() * 180 / M_PI, 39, 1e-9);
+    const double chord = 2 / (10 * M_PI / 180) * std::sin(0.5 * 39 * M_PI / 180);  // of a circle of that curvature
+    EXPECT_NEAR(between.translation.norm(), chord, 0.01);                          // its steps are straight
+  }
+}
+
+TEST(Handicap, OneSeedInEightIsGarbage) {
+  HandicapOptions options;
+  options.garbage_every = 8;
+  EXPECT_NEAR(WalkWith(options, 7).first[9].pose->translation.x(), 1, 1e-12);
+  EXPECT_GT((WalkWith(options, 8).first[9].pose->translation - Eigen::Vector3d(1, 0, 0)).norm(), 1);
+}
+
+TEST(Handicap, ACrashIsAFailureWithNothingAfterIt) {
+  HandicapOptions options;
+  options.crash_at_frame = 30;
+  const auto [live, last] = WalkWith(options);
+  for (int i = 1; i <= 40; ++i) EXPECT_EQ(live[size_t(i - 1)].pose.has_value(), i < 30);
+  EXPECT_EQ(last.failure, "stopped on purpose at frame 30 (handicap.crash_at_frame)");
 }
 
 TEST(Handicap, NoiseHasTheAskedForSize) {
