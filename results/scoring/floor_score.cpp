@@ -63,10 +63,18 @@ double Shift(const FloorPicture& mapped, const FloorMotion& from, const FloorMot
   return (to * middle - from * middle).norm();
 }
 
+/// Of map and true floor where an alignment puts the map.
+double CorrelationAt(const FloorPicture& mapped, const FloorTruth& whole_truth, const FloorMotion& X_WV,
+                     const FloorScoreOptions& options) {
+  if (mapped.empty()) return kNaN;
+  const FloorTruth truth = internal::CroppedTo(mapped, whole_truth, X_WV, options.margin_m, options.alignment);
+  return FloorOverlap(mapped, TrueFloor(truth, mapped.cell_m), X_WV).Correlate().Value();
+}
+
 }  // namespace
 
 FloorComparison CompareFloor(const FloorPicture& map, const FloorTruth& whole_truth, const Similarity& X_WV,
-                             const FloorScoreOptions& options) {
+                             const FloorScoreOptions& options, const std::optional<Similarity>& X_WV_start) {
   CheckFields(options, "map.");
   CheckMap(map);
   const FloorPicture mapped = WellSeen(map, options.min_sightings);
@@ -89,6 +97,7 @@ FloorComparison CompareFloor(const FloorPicture& map, const FloorTruth& whole_tr
   FloorMeasures measures;
   measures.ncc = fit.Value();
   measures.ncc_unaligned = ncc_before;
+  measures.ncc_from_start = X_WV_start ? CorrelationAt(mapped, whole_truth, FloorMotion(*X_WV_start), options) : kNaN;
   measures.ncc_local =
       after.WithoutLocalMean(map.empty() ? 1 : OddCells(options.local_window_m, map.cell_m)).Correlate().Value();
   measures.area_m2 = double(fit.count()) * (map.cell_m * map.cell_m);
@@ -108,6 +117,8 @@ std::vector<Metric<FloorMeasures>> FloorMetrics(const FloorScoreOptions& options
        [](const auto& m) { return m.ncc; }, true},
       {"map_ncc_unaligned", "", Better::kHigher, kGroup,
        "the same where the trajectories' SE(3) alignment puts the map", [](const auto& m) { return m.ncc_unaligned; }},
+      {"map_ncc_from_start", "", Better::kHigher, kGroup, "the same where the first pose puts it: nothing is aligned",
+       [](const auto& m) { return m.ncc_from_start; }},
       {"map_ncc_local", "", Better::kHigher, kGroup,
        fmt::format("the same as map_ncc without each one's mean over {:g} m around: detail alone",
                    options.local_window_m),

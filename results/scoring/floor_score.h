@@ -2,7 +2,8 @@
 ///
 /// The map's frame is a gauge freedom as the trajectory's is, so the map is judged where the SE(3) alignment of the
 /// trajectories puts it, and once more after the small rigid motion on the floor (no scale: that is the system's
-/// business) under which the two pictures correlate best. Both figures are given.
+/// business) under which the two pictures correlate best. Both figures are given, and a third, which takes nothing from
+/// the truth but where the robot started.
 ///
 /// The truth is averaged over the area of each of the map's cells; nothing is done to the map. Brightness need not
 /// agree: correlation is invariant to gain and offset.
@@ -11,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "algorithms/core/fields.h"
@@ -84,14 +86,17 @@ struct FloorComparison {
 
 /// Compares a map with the truth.
 /// @param map in the plane z = 0 of the estimator's world V. @param X_WV aligns the trajectories, SE(3).
+/// @param X_WV_start aligns the first poses alone.
 /// @throws BadOption for options, a map or a truth that contradict themselves.
 FloorComparison CompareFloor(const FloorPicture& map, const FloorTruth& truth, const Similarity& X_WV,
-                             const FloorScoreOptions& options = {});
+                             const FloorScoreOptions& options = {},
+                             const std::optional<Similarity>& X_WV_start = std::nullopt);
 
 /// What the metrics of a floor map take their values from; NaN where the map does not determine one.
 struct FloorMeasures {
   double ncc = 0;  ///< After the pictures' alignment; next as the trajectories align.
   double ncc_unaligned = 0;
+  double ncc_from_start = 0;         ///< As the first poses align.
   double ncc_local = 0;              ///< Without the local means.
   double area_m2 = 0;                ///< Mapped and on the true floor.
   double outside_ratio = 0;          ///< Mapped and not on it, of all that was mapped.

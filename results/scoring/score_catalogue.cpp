@@ -1,5 +1,6 @@
 #include "results/scoring/score_catalogue.h"
 
+#include "results/scoring/floor_pose.h"
 #include "results/scoring/floor_score.h"
 #include "results/scoring/place_graph_score.h"
 #include "results/scoring/pose_metrics.h"
@@ -14,6 +15,7 @@ std::vector<Score> ScoreCatalogue(const ScoreOptions& options) {
 
 std::vector<Score> MapScoreCatalogue() {
   std::vector<Score> catalogue = NamesOf(FloorMetrics({}));
+  for (const Score& score : NamesOf(FloorPoseMetrics())) catalogue.push_back(score);
   for (const Score& score : NamesOf(PlaceGraphMetrics())) catalogue.push_back(score);
   return catalogue;
 }

@@ -11,6 +11,7 @@
 #include "algorithms/io/place_graph_file.h"
 #include "results/reports/report_graph.h"
 #include "results/reports/report_map.h"
+#include "results/scoring/floor_pose.h"
 #include "results/scoring/place_graph_score.h"
 #include "scenarios/code/runs/mapped_floor.h"
 
@@ -33,12 +34,17 @@ void WritePanoramas(const PlaceGraph& graph, const fs::path& folder) {
 
 MapResult ResultOf(const FloorPicture& map, const MapContext& context) {
   if (!context.poses.HasPoses()) return {};
-  const auto comparison =
-      std::make_shared<const FloorComparison>(CompareMappedFloor(map, context.scene, context.poses.last.se3.X_WV));
+  const PoseErrors& poses = context.poses.last;
+  const Pose start = poses.pairs.front().truth * poses.pairs.front().estimate.Inverse();
+  const auto comparison = std::make_shared<const FloorComparison>(
+      CompareMappedFloor(map, context.scene, poses.se3.X_WV, Similarity{1, start.rotation, start.translation}));
   MapResult result;
   result.scores = comparison->scores;
+  for (const Score& score : Evaluate(FloorPoseMetrics(), MeasureFloorPoses(poses.pairs))) {
+    result.scores.push_back(score);
+  }
   result.write = [comparison](const fs::path& folder) { WriteMapPictures(*comparison, folder / "map"); };
-  result.section = [comparison, &truth = context.truth, estimate = context.poses.last.aligned_se3] {
+  result.section = [comparison, &truth = context.truth, estimate = poses.aligned_se3] {
     return FloorReportSection(*comparison, truth, estimate);
   };
   return result;

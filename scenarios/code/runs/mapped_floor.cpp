@@ -21,8 +21,9 @@ FloorTruth FloorTruthOf(const Scene& scene, double cell_m) {
   return truth;
 }
 
-FloorComparison CompareMappedFloor(const FloorPicture& map, const Scene& scene, const Similarity& X_WV) {
-  return CompareFloor(map, FloorTruthOf(scene, map.empty() ? 1 : map.cell_m), X_WV);
+FloorComparison CompareMappedFloor(const FloorPicture& map, const Scene& scene, const Similarity& X_WV,
+                                   const std::optional<Similarity>& X_WV_start) {
+  return CompareFloor(map, FloorTruthOf(scene, map.empty() ? 1 : map.cell_m), X_WV, {}, X_WV_start);
 }
 
 void WriteMapPictures(const FloorComparison& comparison, const std::filesystem::path& folder) {

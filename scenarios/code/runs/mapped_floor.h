@@ -15,7 +15,9 @@ namespace gaitcam {
 FloorTruth FloorTruthOf(const Scene& scene, double cell_m);
 
 /// @param X_WV the SE(3) alignment of the system's poses, which moves its map into the world of the truth.
-FloorComparison CompareMappedFloor(const FloorPicture& map, const Scene& scene, const Similarity& X_WV);
+/// @param X_WV_start that of its first pose.
+FloorComparison CompareMappedFloor(const FloorPicture& map, const Scene& scene, const Similarity& X_WV,
+                                   const std::optional<Similarity>& X_WV_start = std::nullopt);
 
 /// estimate.png, mask.png, truth.png and difference.png, of one size, into a folder that is made; a map of which
 /// nothing can be compared gives no folder. @throws MissingResource if they cannot be written.

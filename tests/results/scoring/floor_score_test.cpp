@@ -103,6 +103,18 @@ TEST(FloorScore, ARightMapIsRightHoweverItsWorldIsTurned) {
   EXPECT_NEAR(Value(c, "map_turn_deg"), 0, 0.05);
 }
 
+// What the trajectories' alignment mends, the first pose does not.
+TEST(FloorScore, FromTheStartNothingIsAligned) {
+  EXPECT_TRUE(std::isnan(Value(CompareFloor(MakeMap(Right), MakeTruth(), kAligned), "map_ncc_from_start")));
+  const FloorComparison right = CompareFloor(MakeMap(Right), MakeTruth(), kAligned, {}, kAligned);
+  EXPECT_EQ(Value(right, "map_ncc_from_start"), Value(right, "map_ncc_unaligned"));
+  Similarity drifted = kAligned;
+  drifted.translation.x() += 0.2;
+  const FloorComparison c = CompareFloor(MakeMap(Right), MakeTruth(), kAligned, {}, drifted);
+  EXPECT_EQ(Value(c, "map_ncc_unaligned"), Value(right, "map_ncc_unaligned"));
+  EXPECT_LT(Value(c, "map_ncc_from_start"), 0.5 * Value(c, "map_ncc_unaligned"));
+}
+
 TEST(FloorScore, BrightnessNeedNotAgree) {
   FloorPicture map = MakeMap(Right);
   const double before = Value(CompareFloor(map, MakeTruth(), kAligned), "map_ncc");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "results/scoring/floor_pose.h"
 #include "results/scoring/floor_score.h"
 #include "results/scoring/place_graph_score.h"
 #include "tests/results/scoring/synthetic.h"
@@ -37,6 +38,7 @@ TEST(ScoreCatalogue, IsWhatARunIsScoredBy) {
 TEST(ScoreCatalogue, OfMapsIsWhatMapsAreScoredBy) {
   const FloorTruth truth{cv::Mat(1, 1, CV_8UC1, cv::Scalar(0)), 1.0};
   std::vector<Score> scores = CompareFloor({}, truth, {}).scores;
+  for (const Score& score : Evaluate(FloorPoseMetrics(), MeasureFloorPoses({}))) scores.push_back(score);
   for (const Score& score : ComparePlaceGraph({}, {StampedPose()}).scores) scores.push_back(score);
   EXPECT_THAT(Described(scores), testing::ElementsAreArray(Described(MapScoreCatalogue())));
 }
