@@ -101,13 +101,14 @@ void PrintEffects(const Study& study, const std::vector<StudyEffect>& effects, s
     metric_width = std::max(metric_width, effects[i].metric.name.size());
   }
   fmt::print(
-      "Effects, the surest first: shift with its {} interval, Wilcoxon's p, corrected for {} comparisons (Holm)\n",
+      "Effects, the surest first: shift with its {} interval, Wilcoxon's p, corrected for {} comparisons (Holm); "
+      "n walks (seeds), each with the median of its pairs\n",
       Percent(study.options.confidence), effects.size());
   for (size_t i = 0; i < shown; ++i) {
     const StudyEffect& e = effects[i];
     const int verdict = e.Verdict(study.options.confidence);
     fmt::print("  {:<{}}  {:<{}}  {:>9} [{}, {}]  n={}  p={:.2g}  {}\n", EffectText(study.table, e), width,
-               e.metric.name, metric_width, ScoreText(e.shift), ScoreText(e.ends.low), ScoreText(e.ends.high), e.pairs,
+               e.metric.name, metric_width, ScoreText(e.shift), ScoreText(e.ends.low), ScoreText(e.ends.high), e.walks,
                e.p_holm,
                verdict > 0   ? "better"
                : verdict < 0 ? "worse"
@@ -147,6 +148,7 @@ nlohmann::ordered_json ToJson(const Study& study, const std::vector<StudyEffect>
                                {"metric", e.metric.name},
                                {"pairs", e.pairs},
                                {"unpaired", e.unpaired},
+                               {"walks", e.walks},
                                {"reference_median", Number(e.reference)},
                                {"shift", Number(e.shift)},
                                {"low", Number(e.ends.low)},
