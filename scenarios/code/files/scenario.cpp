@@ -1,8 +1,11 @@
 #include "scenarios/code/files/scenario.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
+#include "algorithms/core/units.h"
 #include "algorithms/io/checksum.h"
 #include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
@@ -51,11 +54,27 @@ void ResolveGait(const OptionValue& root, const Robot& robot, GaitChoice& gait) 
   if (root.Has("gait")) ReadOption(root.Child("gait"), gait);
 }
 
-/// Before `--set system.feature=akaze` where the scenario says `system: NAME`, or nothing: the name becomes a map's.
-void MakeRoomForSystemSetting(OptionValue& root, const std::string& assignment) {
-  if (!assignment.starts_with("system.")) return;
-  const OptionValue name = root.Has("system") ? root.Child("system") : OptionValue(SystemChoice().name);
-  if (name.IsScalar()) root.Set("system", OptionValue::Map({{"name", name.origin(), name}}, name.origin()));
+/// Before `--set system.feature=akaze` where the scenario says `system: NAME`, or nothing, and the like: the word
+/// becomes a map's.
+void MakeRoomForSetting(OptionValue& root, const std::string& assignment) {
+  struct Block {
+    std::string key, word_key, word;
+  };
+  static const Block kBlocks[] = {{"system", "name", SystemChoice().name},
+                                  {"variation", "preset", "none"},
+                                  {"calibration_error", "preset", "none"}};
+  for (const auto& [key, word_key, word] : kBlocks) {
+    if (!assignment.starts_with(key + ".")) continue;
+    const OptionValue value = root.Has(key) ? root.Child(key) : OptionValue(word);
+    if (value.IsScalar()) root.Set(key, OptionValue::Map({{word_key, value.origin(), value}}, value.origin()));
+  }
+}
+
+/// x m, y m, yaw deg; nothing: as the scene says.
+std::optional<Eigen::Vector3d> StartOf(const Scenario& scenario, const Scene& scene) {
+  if (SaysNothing(scenario.variation) || scenario.localisation) return scenario.start;
+  const Eigen::Vector3d of_scene(scene.start.x(), scene.start.y(), scene.start.z() * kDegPerRad);
+  return StartOfSeed(scenario.start.value_or(of_scene), scenario.path, scene, scenario.variation, scenario.seed);
 }
 
 /// Fails at `setting` within `node`, or as near to it as the file goes.
@@ -80,7 +99,7 @@ void MakeRoomForSystemSetting(OptionValue& root, const std::string& assignment) 
 ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::string>& assignments, ModelShelf* shelf) {
   OptionValue root = LoadYaml(file);
   for (const std::string& assignment : assignments) {
-    MakeRoomForSystemSetting(root, assignment);
+    MakeRoomForSetting(root, assignment);
     SetOption(root, assignment);
   }
   ResolvedScenario resolved;
@@ -100,7 +119,9 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     fail_at("robot", e);
   }
   try {
-    resolved.scene = FromShelf(shelf ? &shelf->scenes : nullptr, scenario.scene, ReadScene);
+    resolved.scene = SaysNothing(scenario.variation)
+                         ? FromShelf(shelf ? &shelf->scenes : nullptr, scenario.scene, ReadScene)
+                         : ReadSceneOfSeed(scenario.scene, scenario.variation, scenario.seed);
   } catch (const BadInput& e) {
     fail_at("scene", e);
   }
@@ -109,10 +130,17 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   } catch (const BadInput& e) {
     fail_at("people", e);
   }
+  try {
+    resolved.start = StartOf(scenario, resolved.scene);
+  } catch (const BadInput& e) {
+    fail_at("variation", e);
+  }
   ResolveGait(root, resolved.robot, scenario.gait);
   if (scenario.localisation) {
     if (const auto problem = FindProblem(*scenario.localisation, resolved.scene))
       FailAtSetting(root.Child("localisation"), problem->key, problem->text);
+    if (!SaysNothing(scenario.calibration_error))
+      root.Child("calibration_error").Fail("a localisation knows none; expected no such block beside `localisation`");
   }
   const OptionValue system = root.Has("system") ? root.Child("system") : root;
   ResolveFiles(system, root.folder(), scenario.system);
@@ -136,6 +164,27 @@ std::string ResolvedScenario::ToYaml() const {
   return std::string(out.c_str()) + "\n";
 }
 
+ResolvedScenario ResolvedScenario::WithSeed(uint64_t seed) const {
+  ResolvedScenario copy = *this;
+  copy.scenario.seed = seed;
+  if (SaysNothing(scenario.variation)) return copy;
+  copy.scene = ReadSceneOfSeed(scenario.scene, scenario.variation, seed);
+  AddPeople(scenario.people, copy.scene);
+  copy.start = StartOf(copy.scenario, copy.scene);
+  return copy;
+}
+
+std::vector<std::pair<std::string, std::string>> VariationFacts(const ResolvedScenario& resolved) {
+  if (SaysNothing(resolved.scenario.variation)) return {};
+  std::vector<std::pair<std::string, std::string>> facts;
+  if (resolved.start) {
+    const Eigen::Vector3d& s = *resolved.start;
+    facts.emplace_back("start", fmt::format("[{:.4f}, {:.4f}, {:.3f}]", s.x(), s.y(), s.z()));
+  }
+  facts.emplace_back("light", fmt::format("{:.4f}", resolved.scene.light));
+  return facts;
+}
+
 ResolvedScenario ResolvedScenario::OnAnyRenderer() const {
   ResolvedScenario copy = *this;
   copy.scenario.camera.renderer = {};
@@ -155,6 +204,7 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
   if (frames_only) {
     scenario.system = {};
     scenario.system_seed.reset();
+    scenario.calibration_error = {};
     scenario.handicap = {};
     scenario.score = {};
     scenario.camera.renderer = {};
@@ -175,6 +225,7 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
     for (const RobotShape& shape : link.collisions) meshes.insert(shape.mesh);
   }
   std::vector<fs::path> files{resolved.robot.yaml_file, resolved.robot.urdf_file, resolved.scene.file};
+  files.insert(files.end(), resolved.scene.bases.begin(), resolved.scene.bases.end());
   files.insert(files.end(), meshes.begin(), meshes.end());
   files.insert(files.end(), resolved.scene.pictures.begin(), resolved.scene.pictures.end());
   for (const fs::path& file : files) text += file.empty() ? "" : "\n" + Sha256OfFile(file);
