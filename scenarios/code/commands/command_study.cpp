@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "algorithms/core/errors.h"
 #include "results/reports/study_report.h"
@@ -12,6 +13,7 @@
 #include "scenarios/code/jobs/study.h"
 #include "scenarios/code/runs/interrupt.h"
 #include "scenarios/code/runs/output_folder.h"
+#include "scenarios/code/runs/runner.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -60,6 +62,9 @@ std::vector<std::pair<std::string, std::string>> FactsOf(const Study& study, con
   for (const StudyRun& run : study.table.runs) {
     if (!run.renderer.empty()) ++renderers[run.renderer];
   }
+  std::set<std::string> steering;
+  for (const Condition& condition : study.experiment.conditions) steering.insert(SteeringText(condition.resolved));
+  for (const std::string& text : steering) facts.emplace_back("robots", text);
   for (const auto& [renderer, runs] : renderers)
     facts.emplace_back("renderer", renderers.size() == 1 ? renderer : fmt::format("{}: {} runs", renderer, runs));
   return facts;

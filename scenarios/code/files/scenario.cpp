@@ -12,6 +12,7 @@
 #include "scenarios/code/files/folders.h"
 #include "scenarios/code/files/system_needs.h"
 #include "scenarios/code/systems/chosen_system.h"
+#include "sim/walking/walker.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -70,11 +71,27 @@ void MakeRoomForSetting(OptionValue& root, const std::string& assignment) {
   }
 }
 
+/// How much of the path's length is walked before the time is up, at most.
+double WalkedPart(const Scenario& scenario, const Robot& robot) {
+  constexpr double kFaster = 1.1;   // than the estimate
+  constexpr double kStep_m = 1e-3;  // shorter steps are not planned: the gait is refused elsewhere
+  const bool steps = robot.kind == Robot::Kind::kOmniBase || scenario.gait.options.step_length_m > kStep_m;
+  if (scenario.duration_s <= 0 || !steps) return 1;
+  const double whole_s = robot.kind == Robot::Kind::kOmniBase
+                             ? EstimateDrivingTime(scenario.drive, scenario.path)
+                             : EstimateWalkingTime(scenario.gait.options, scenario.path);
+  return std::min(1.0, kFaster * scenario.duration_s / whole_s);
+}
+
 /// x m, y m, yaw deg; nothing: as the scene says.
-std::optional<Eigen::Vector3d> StartOf(const Scenario& scenario, const Scene& scene) {
+std::optional<Eigen::Vector3d> StartOf(const ResolvedScenario& resolved) {
+  const Scenario& scenario = resolved.scenario;
   if (SaysNothing(scenario.variation) || scenario.localisation) return scenario.start;
-  const Eigen::Vector3d of_scene(scene.start.x(), scene.start.y(), scene.start.z() * kDegPerRad);
-  return StartOfSeed(scenario.start.value_or(of_scene), scenario.path, scene, scenario.variation, scenario.seed);
+  const Eigen::Vector3d& of_scene = resolved.scene.start;
+  const Eigen::Vector3d nominal =
+      scenario.start.value_or(Eigen::Vector3d(of_scene.x(), of_scene.y(), of_scene.z() * kDegPerRad));
+  return StartOfSeed(nominal, scenario.path, WalkedPart(scenario, resolved.robot), resolved.scene, scenario.variation,
+                     scenario.seed);
 }
 
 /// Fails at `setting` within `node`, or as near to it as the file goes.
@@ -130,12 +147,12 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   } catch (const BadInput& e) {
     fail_at("people", e);
   }
+  ResolveGait(root, resolved.robot, scenario.gait);
   try {
-    resolved.start = StartOf(scenario, resolved.scene);
+    resolved.start = StartOf(resolved);
   } catch (const BadInput& e) {
     fail_at("variation", e);
   }
-  ResolveGait(root, resolved.robot, scenario.gait);
   if (scenario.localisation) {
     if (const auto problem = FindProblem(*scenario.localisation, resolved.scene))
       FailAtSetting(root.Child("localisation"), problem->key, problem->text);
@@ -170,7 +187,7 @@ ResolvedScenario ResolvedScenario::WithSeed(uint64_t seed) const {
   if (SaysNothing(scenario.variation)) return copy;
   copy.scene = ReadSceneOfSeed(scenario.scene, scenario.variation, seed);
   AddPeople(scenario.people, copy.scene);
-  copy.start = StartOf(copy.scenario, copy.scene);
+  copy.start = StartOf(copy);
   return copy;
 }
 

@@ -77,7 +77,8 @@ Scene ReadSceneOfSeed(const std::string& name_or_path, const VariationOptions& o
   return FirstThatCanBe(name_or_path, variation, options.scene_seed, RandomStream(seed, "variation.scene"));
 }
 
-double Clearance(const PathOptions& options, const Eigen::Vector3d& start, const Scene& scene, double enough) {
+double Clearance(const PathOptions& options, double part, const Eigen::Vector3d& start, const Scene& scene,
+                 double enough) {
   const Path path(options, Pose(RotZ(start.z() * kRadPerDeg), {start.x(), start.y(), 0}));
   std::vector<std::vector<cv::Point2f>> footprints;
   for (const SceneBox& box : scene.boxes) {
@@ -85,9 +86,10 @@ double Clearance(const PathOptions& options, const Eigen::Vector3d& start, const
     if (!footprint.empty()) footprints.push_back(std::move(footprint));
   }
   double clearance = std::numeric_limits<double>::infinity();
-  const int steps = int(path.Length() / kAlongPath_m) + 1;
+  const double length = part * path.Length();
+  const int steps = int(length / kAlongPath_m) + 1;
   for (int i = 0; i <= steps && clearance >= enough; ++i) {
-    const Eigen::Vector2d p = path.PoseAt(path.Length() * i / steps).position;
+    const Eigen::Vector2d p = path.PoseAt(length * i / steps).position;
     clearance = std::min({clearance, (p - scene.floor_min).minCoeff(), (scene.floor_max - p).minCoeff()});
     for (const std::vector<cv::Point2f>& footprint : footprints) {
       const cv::Point2f at(float(p.x()), float(p.y()));
@@ -97,10 +99,10 @@ double Clearance(const PathOptions& options, const Eigen::Vector3d& start, const
   return clearance;
 }
 
-Eigen::Vector3d StartOfSeed(const Eigen::Vector3d& nominal, const PathOptions& path, const Scene& scene,
+Eigen::Vector3d StartOfSeed(const Eigen::Vector3d& nominal, const PathOptions& path, double part, const Scene& scene,
                             const VariationOptions& options, uint64_t seed) {
   if (options.start_m == 0 && options.start_deg == 0) return nominal;
-  const double kept = Clearance(path, nominal, scene, -std::numeric_limits<double>::infinity());
+  const double kept = Clearance(path, part, nominal, scene, -std::numeric_limits<double>::infinity());
   if (kept <= 0) throw BadInput("variation: the scenario's own path leads through something, or off the floor");
   const double wanted = std::min(options.clearance_m, kHalf * kept);
   RandomStream random(seed, "variation.start");
@@ -109,7 +111,7 @@ Eigen::Vector3d StartOfSeed(const Eigen::Vector3d& nominal, const PathOptions& p
     start.x() += random.Uniform(-options.start_m, options.start_m);
     start.y() += random.Uniform(-options.start_m, options.start_m);
     start.z() += random.Uniform(-options.start_deg, options.start_deg);
-    if (Clearance(path, start, scene, wanted) >= wanted) return start;
+    if (Clearance(path, part, start, scene, wanted) >= wanted) return start;
   }
   throw BadInput(
       fmt::format("variation: none of {} starts that seed {} draws keeps the path {:.2g} m from what stands "

@@ -68,16 +68,18 @@ bool SaysNothing(const VariationOptions& value);
 /// The scene as this seed finds it. @throws BadInput if no scene of 20 that it draws has room for its scattered things.
 Scene ReadSceneOfSeed(const std::string& name_or_path, const VariationOptions& options, uint64_t seed);
 
-/// x m, y m, yaw deg of this seed. @param nominal where the scenario has it. @throws BadInput in one line if no start
-/// of 2000 that it draws keeps its path clear.
-Eigen::Vector3d StartOfSeed(const Eigen::Vector3d& nominal, const PathOptions& path, const Scene& scene,
+/// x m, y m, yaw deg of this seed. @param nominal where the scenario has it. @param part of the path's length that is
+/// walked before the time is up, 0 to 1. @throws BadInput in one line if no start of 2000 that it draws keeps its path
+/// clear.
+Eigen::Vector3d StartOfSeed(const Eigen::Vector3d& nominal, const PathOptions& path, double part, const Scene& scene,
                             const VariationOptions& options, uint64_t seed);
 
 /// What is off about masses and friction, with what the variation adds.
 PhysicsOptions Varied(const PhysicsOptions& physics, const VariationOptions& options);
 
 /// How far a path stays from all that a robot would run into, and within the floor; below 0 inside of something.
-/// @param enough to know: the search ends where it falls below. @param start x m, y m, yaw deg.
-double Clearance(const PathOptions& path, const Eigen::Vector3d& start, const Scene& scene, double enough);
+/// @param part of its length, from its beginning. @param start x m, y m, yaw deg. @param enough to know: the search
+/// ends where it falls below.
+double Clearance(const PathOptions& path, double part, const Eigen::Vector3d& start, const Scene& scene, double enough);
 
 }  // namespace gaitcam

@@ -70,16 +70,6 @@ class Film {
   cv::Mat poster_;
 };
 
-std::string SteeringText(const ResolvedScenario& resolved) {
-  switch (SteeredBy(resolved)) {
-    case PathFeedback::kTruth: return "steered by its true pose";
-    case PathFeedback::kOdometry: return "steered by its own odometry";
-    case PathFeedback::kNone: return "not steered";
-  }
-  GAITCAM_ASSERT(false);
-  return {};
-}
-
 std::string Subtitle(const ResolvedScenario& resolved) {
   const Scenario& s = resolved.scenario;
   const std::string gait = resolved.robot.kind == Robot::Kind::kHumanoid ? s.gait.preset + " gait, " : "";
@@ -145,6 +135,16 @@ RunEnd EndOf(const Simulation& simulation) {
 PathFeedback SteeredBy(const ResolvedScenario& resolved) {
   const bool drives = resolved.robot.kind == Robot::Kind::kOmniBase;
   return drives ? PathFeedback::kTruth : resolved.scenario.path.feedback;
+}
+
+std::string SteeringText(const ResolvedScenario& resolved) {
+  switch (SteeredBy(resolved)) {
+    case PathFeedback::kTruth: return "steered by its true pose";
+    case PathFeedback::kOdometry: return "steered by its own odometry";
+    case PathFeedback::kNone: return "not steered";
+  }
+  GAITCAM_ASSERT(false);
+  return {};
 }
 
 SimulationOptions SimulationOptionsOf(const ResolvedScenario& resolved) {

@@ -111,13 +111,13 @@ TEST_F(VariationTest, NoPathLeadsIntoAnything) {
     const std::filesystem::path file = DataFolder() / "scenarios" / (std::string(name) + ".yaml");
     const ResolvedScenario plain = ReadScenario(file, {});
     const Eigen::Vector3d of_scene(plain.scene.start.x(), plain.scene.start.y(), plain.scene.start.z() * kDegPerRad);
-    const double kept = Clearance(plain.scenario.path, plain.start.value_or(of_scene), plain.scene, kAll);
+    const double kept = Clearance(plain.scenario.path, 1, plain.start.value_or(of_scene), plain.scene, kAll);
     ASSERT_GT(kept, 0) << name;
     const ResolvedScenario varied = ReadScenario(file, {"variation=repeat"});
     std::set<double> headings;
     for (uint64_t seed = 1; seed <= 8; ++seed) {
       const ResolvedScenario repeat = varied.WithSeed(seed);
-      EXPECT_GE(Clearance(repeat.scenario.path, *repeat.start, repeat.scene, kAll), std::min(0.25, 0.4 * kept))
+      EXPECT_GE(Clearance(repeat.scenario.path, 1, *repeat.start, repeat.scene, kAll), std::min(0.25, 0.4 * kept))
           << name << ", seed " << seed;
       headings.insert(repeat.start->z());
     }
@@ -136,13 +136,26 @@ TEST_F(VariationTest, ClearanceIsTheDistanceToWhatStandsThereAndToTheFloorsEdge)
   PathOptions straight;
   straight.length_m = 2;
   // The box's corner lies 0.2 sqrt(2) from its middle, towards the path along the x axis.
-  EXPECT_NEAR(Clearance(straight, {0, 0, 0}, scene, kAll), 1 - 0.2 * std::sqrt(2.0), 1e-3);
-  EXPECT_LT(Clearance(straight, {0, 1, 0}, scene, kAll), 0);
+  EXPECT_NEAR(Clearance(straight, 1, {0, 0, 0}, scene, kAll), 1 - 0.2 * std::sqrt(2.0), 1e-3);
+  EXPECT_LT(Clearance(straight, 1, {0, 1, 0}, scene, kAll), 0);
   scene.boxes[0].collides = false;
-  EXPECT_NEAR(Clearance(straight, {0, 0, 0}, scene, kAll), 3, 1e-9);  // from (2, 0) to x = 5
+  EXPECT_NEAR(Clearance(straight, 1, {0, 0, 0}, scene, kAll), 3, 1e-9);  // from (2, 0) to x = 5
   scene.boxes[0].collides = true;
   scene.boxes[0].X_WB.translation.z() = 3;  // a lamp
-  EXPECT_NEAR(Clearance(straight, {0, 0, 0}, scene, kAll), 3, 1e-9);
+  EXPECT_NEAR(Clearance(straight, 1, {0, 0, 0}, scene, kAll), 3, 1e-9);
+}
+
+// Round a table on a circle of 2 m there is no way; the first seconds of it are free.
+TEST_F(VariationTest, OnlyWhatIsWalkedBeforeTheTimeIsUpMustBeFree) {
+  const std::string circle = "scene: lab\npath: {kind: circle, diameter_m: 2}\nvariation: repeat\n";
+  EXPECT_TRUE(Read(circle + "duration_s: 6.5\n").start.has_value());
+  EXPECT_THROW(Read(circle + "duration_s: 0\n"), BadInput);
+  PathOptions straight;
+  straight.length_m = 4;
+  Scene scene;
+  scene.floor_min = {-5, -5};
+  scene.floor_max = {5, 5};
+  EXPECT_NEAR(Clearance(straight, 0.5, {0, 0, 0}, scene, kAll), 3, 1e-9);
 }
 
 TEST_F(VariationTest, WhatCannotBeIsRefusedInOneLine) {
@@ -156,8 +169,8 @@ TEST_F(VariationTest, WhatCannotBeIsRefusedInOneLine) {
   };
   EXPECT_THAT(refusal("variation: repeated\n"), testing::AllOf(HasSubstr("s.yaml:1"), HasSubstr("repeat")));
   EXPECT_THAT(refusal("variation: {start: 1}\n"), HasSubstr("start_m"));
-  EXPECT_THAT(refusal("scene: lab\npath: {kind: straight, length_m: 30}\nvariation: repeat\n"),
-              testing::AllOf(HasSubstr("s.yaml:3"), HasSubstr("off the floor")));
+  EXPECT_THAT(refusal("scene: lab\npath: {kind: straight, length_m: 30}\nduration_s: 0\nvariation: repeat\n"),
+              testing::AllOf(HasSubstr("s.yaml:4"), HasSubstr("off the floor")));
 }
 
 TEST_F(VariationTest, MassAndFrictionAreOffByTheLargerOfBoth) {

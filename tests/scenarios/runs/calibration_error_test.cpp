@@ -126,6 +126,15 @@ TEST_F(CalibrationErrorTest, WhatIsNotPermittedIsRefusedWithItsPlace) {
   EXPECT_THAT(Refusal("calibration_error: {focal: 1}\n"), HasSubstr("focal_pct"));
 }
 
+TEST_F(CalibrationErrorTest, ALocalisationKnowsNone) {
+  try {
+    ReadScenario(DataFolder() / "scenarios/robocup_localisation.yaml", {"calibration_error=bench"});
+    FAIL();
+  } catch (const BadInput& e) {
+    EXPECT_THAT(e.what(), HasSubstr("--set calibration_error=bench: a localisation knows none"));
+  }
+}
+
 TEST_F(CalibrationErrorTest, FramesAreTheSameAndRunsAreNot) {
   const ResolvedScenario plain = Read(""), bench = Read("calibration_error: bench\n");
   EXPECT_EQ(FramesHashOf(bench), FramesHashOf(plain));
