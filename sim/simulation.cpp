@@ -83,7 +83,7 @@ constexpr int64_t kPanFit_ns = 12'000'000;  ///< Readings so near to mid-exposur
 
 void CheckHeadScan(const Robot& robot, const SimulationOptions& options) {
   const CameraModel camera = CameraRig(options.camera, 0).MakeCalibration().camera;
-  const HeadScanPlan plan = PlanHeadScan(robot, options.scan, camera, 1e-3 * options.camera.exposure.exposure_ms);
+  const HeadScanPlan plan = PlanHeadScan(robot, options.scan, camera, 1e-3 * options.camera.LongestExposure_ms());
   if (plan.sweeps == 1 || robot.kind != Robot::Kind::kHumanoid) return;
   const World world(robot, Scene{}, options.physics, {}, 0);
   PathOptions turning;
@@ -103,7 +103,7 @@ void CheckSimulation(const Robot& robot, const Scene& scene, const SimulationOpt
 Simulation::Simulation(const Robot& robot, const Scene& scene, const SimulationOptions& options, uint64_t seed)
     : options_(options),
       gl_(options.camera.renderer),
-      rig_(options.camera, seed),
+      rig_(options.camera, seed, scene.light),
       world_(robot, scene, options.physics, rig_.WorldCameras(), seed),
       controller_(MakeController(robot, world_.nominal_model(), options, StartPose(scene.start, options.start))),
       sensors_(world_, options.sensors, seed),
@@ -172,7 +172,7 @@ void Simulation::CheckLeavingPath() const {
 
 void Simulation::RequestScan() {
   if (controller_->Scans()) return;
-  const double exposure_s = 1e-3 * options_.camera.exposure.exposure_ms;
+  const double exposure_s = 1e-3 * options_.camera.LongestExposure_ms();
   controller_->RequestScan(PlanHeadScan(world_.robot(), options_.scan, calibration_.camera, exposure_s));
 }
 
@@ -266,13 +266,14 @@ bool Simulation::WalkToNextFrame() {
 
 LatentSimulatedFrame Simulation::Film(const TruthOptions& truth) {
   const int64_t stamp_ns = rig_.FrameStamp(frame_);
+  const std::optional<ScanState> scan = ScanAt(stamp_ns);
   LatentSimulatedFrame latent{{}, rig_.Film(renderer_, world_.record(), frame_++, truth)};
   Observation& seen = latent.observation;
   seen.stamp_ns = stamp_ns;
-  seen.exposure_ms = options_.camera.exposure.exposure_ms;
+  seen.exposure_ms = latent.film.exposure_ms;
   seen.imu = sensors_.TakeImu();
   seen.joints = std::exchange(joints_, {});
-  seen.scan = ScanAt(stamp_ns);
+  seen.scan = scan;
   FillTruth(stamp_ns, latent.film.left.frame.truth);
   return latent;
 }

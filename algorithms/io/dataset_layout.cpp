@@ -107,6 +107,13 @@ DatasetFolders DatasetFolders::In(const fs::path& out, const std::string& name) 
   return {out / name, out / (name + "-truth")};
 }
 
+fs::path TrueCalibrationFileOf(const DatasetFolders& folders) { return folders.truth / "calibration.yaml"; }
+
+fs::path RightCalibrationFileOf(const DatasetFolders& folders, DatasetFormat format) {
+  const fs::path right = TrueCalibrationFileOf(folders);
+  return fs::exists(right) ? right : CalibrationFileOf(folders.sensors, format);
+}
+
 fs::path FindDataset(const fs::path& folder) {
   if (!fs::is_directory(folder)) throw BadInput(folder.string() + ": there is no such folder");
   if (LayoutOf(folder)) return folder;

@@ -35,6 +35,8 @@
 ///   subposes.csv         every sub-frame: its frame's stamp, its own, weight, X_WC
 ///   sharp/ sharp.txt, depth/ depth.txt, blur/ blur.txt   sharp twin; depth; blur vectors as 16-bit PNG in the way that
 ///                        KITTI stores optical flow: red and green hold 64 x + 2^15, blue 1 where the vector is known
+///   calibration.yaml     the right one, where the sensors' folder has a wrong one on purpose, and
+///   calibration_error.yaml what is wrong with calibration and readings there
 ///   mav0/state_groundtruth_estimate0/{data.csv,sensor.yaml}   (euroc) pose of the body, which is the IMU
 ///   groundtruth.csv      (vslamlab) the poses of groundtruth.txt
 ///
@@ -102,6 +104,11 @@ struct DatasetFolders {
   /// OUT/NAME and OUT/NAME-truth.
   static DatasetFolders In(const std::filesystem::path& out, const std::string& name);
 };
+
+/// The right calibration, where the sensors' folder has a wrong one on purpose; else there is no such file.
+std::filesystem::path TrueCalibrationFileOf(const DatasetFolders& folders);
+/// That file if it is there, else the sensors' own.
+std::filesystem::path RightCalibrationFileOf(const DatasetFolders& folders, DatasetFormat format);
 
 /// @returns `folder` if it is a dataset of sensors, or the only one that lies directly in it.
 /// @throws BadInput if there is none, or more than one.

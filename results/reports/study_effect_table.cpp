@@ -51,11 +51,12 @@ std::string EffectRow(const StudyReportInput& input, const StudyEffect& e, size_
       e.pairs > 0 && e.reference != 0 ? fmt::format("{:+.0f} %", 100 * e.shift / std::abs(e.reference)) : "";
   const std::string ends = std::isfinite(e.ends.low)
                                ? fmt::format("[{}, {}]", ThreeDigits(e.ends.low), ThreeDigits(e.ends.high))
-                               : "<span title=\"too few pairs for an interval\">&ndash;</span>";
+                               : "<span title=\"too few walks for an interval\">&ndash;</span>";
   return fmt::format(
       "<tr><td class=\"number\">{}</td><td><span class=\"pill "
       "{}\">{}</span></td><td>{}</td><td><code>{}</code></td><td "
-      "class=\"number plain\">{}</td><td class=\"number plain\">{}</td><td class=\"number\">{}</td><td class=\"number "
+      "class=\"number plain\">{}</td><td class=\"number plain\">{}</td><td class=\"number plain\">{}</td><td "
+      "class=\"number\">{}</td><td class=\"number "
       "plain\">{}</td><td>{}</td><td class=\"number plain\">{}</td><td class=\"number plain\">{}</td></tr>\n",
       rank,
       verdict > 0   ? "good"
@@ -65,13 +66,14 @@ std::string EffectRow(const StudyReportInput& input, const StudyEffect& e, size_
       : verdict < 0 ? "worse"
       : sure        ? "differs"
                     : "not sure",
-      what, e.metric.name, e.pairs, e.pairs > 0 ? ThreeDigits(e.reference) : "&ndash;",
+      what, e.metric.name, e.pairs, e.walks, e.pairs > 0 ? ThreeDigits(e.reference) : "&ndash;",
       e.pairs > 0 ? ThreeDigits(e.shift) : "&ndash;", ends, EffectBar(e, verdict), part, PText(e.p_holm));
 }
 
 std::string EffectRows(const StudyReportInput& input, size_t begin, size_t end) {
   std::string html = fmt::format(
-      "<table class=\"effects\">\n<thead><tr><th></th><th></th><th>change</th><th>score</th><th>pairs</th>"
+      "<table "
+      "class=\"effects\">\n<thead><tr><th></th><th></th><th>change</th><th>score</th><th>pairs</th><th>walks</th>"
       "<th>reference</th><th>shift</th><th>{} interval</th><th colspan=\"2\">of the "
       "reference</th><th>p</th></tr></thead>\n"
       "<tbody>\n",
@@ -91,8 +93,9 @@ std::string StudyEffectTable(const StudyReportInput& input) {
       "{0} interval (signed-rank test inverted). <b>p</b>: Wilcoxon's signed-rank test, two-sided, corrected for all "
       "{1} "
       "comparisons (Holm). Bars: shift and interval as parts of the reference's median, from &minus;100 % to +100 %. "
-      "Scores that are best near 1 or 0 are compared by their distance from it. Pairs that share a seed share its "
-      "walk, so p is a little too small.</p>\n",
+      "Scores that are best near 1 or 0 are compared by their distance from it. <b>Walks</b>: all runs of one seed "
+      "share "
+      "its walk and count once, with the median change of their pairs; shift, interval and p go over walks.</p>\n",
       percent, input.effects->size());
   const size_t first = std::min(kOpenRows, input.effects->size());
   const size_t shown = std::min(kMaxRows, input.effects->size());

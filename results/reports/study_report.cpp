@@ -118,7 +118,8 @@ std::string StudyReportHtml(const StudyReportInput& input) {
       "<p class=\"note after\">In the charts below a point is the median over all runs at that level, whatever the "
       "other "
       "axes "
-      "and the seed; bars are its {} bootstrap interval ({} resamples). Point at one for its numbers.</p>\n",
+      "and the seed; bars are its {} bootstrap interval ({} resamples, which draw whole seeds: "
+      "runs of one seed share its walk). Point at one for its numbers.</p>\n",
       fmt::format("{:g} %", 100 * input.statistics.confidence), input.statistics.resamples);
   for (size_t m = 0; m < table.metrics.size(); ++m) page.body += MetricSection(input, m, charts);
   page.body += Provenance(input);

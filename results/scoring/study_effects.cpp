@@ -94,9 +94,29 @@ Side SideOf(const StudyTable& table, const StudyEffect& effect, size_t level) {
   return side;
 }
 
+/// Values of runs, or of pairs of them, by their seed.
+using BySeed = std::map<uint64_t, std::vector<double>>;
+
+/// Percentile bootstrap of the median that draws whole seeds (cluster bootstrap).
+ConfidenceInterval BootstrapSeeds(const BySeed& values, const StudyStatistics& statistics, RandomStream& random) {
+  std::vector<const std::vector<double>*> seeds;
+  for (const auto& [seed, of_seed] : values) seeds.push_back(&of_seed);
+  std::vector<double> medians;
+  for (int i = 0; i < statistics.resamples && !seeds.empty(); ++i) {
+    std::vector<double> drawn;
+    for (size_t k = 0; k < seeds.size(); ++k) {
+      const std::vector<double>& of_seed = *seeds[size_t(random.Index(int(seeds.size())))];
+      drawn.insert(drawn.end(), of_seed.begin(), of_seed.end());
+    }
+    medians.push_back(MedianOf(std::move(drawn)));
+  }
+  return {QuantileOf(medians, (1 - statistics.confidence) / 2), QuantileOf(medians, (1 + statistics.confidence) / 2)};
+}
+
 void Measure(const StudyTable& table, double confidence, StudyEffect& effect) {
   const Side reference = SideOf(table, effect, table.axes[effect.axis].reference);
-  std::vector<double> differences, references;
+  std::vector<double> references;
+  BySeed changes;
   for (const auto& [key, value] : SideOf(table, effect, effect.level)) {
     const auto other = reference.find(key);
     const double before = other == reference.end() ? kNaN : other->second;
@@ -104,14 +124,17 @@ void Measure(const StudyTable& table, double confidence, StudyEffect& effect) {
       ++effect.unpaired;
       continue;
     }
-    differences.push_back(value - before);
+    changes[key.second].push_back(value - before);
     references.push_back(before);
   }
-  effect.pairs = differences.size();
+  std::vector<double> differences;  // one per seed: its pairs share the walk
+  for (const auto& [seed, values] : changes) differences.push_back(MedianOf(values));
+  effect.pairs = references.size();
+  effect.walks = differences.size();
   effect.reference = MedianOf(references);
   effect.ends = ShiftInterval(differences, confidence);
   std::sort(differences.begin(), differences.end());
-  const int64_t means = int64_t(effect.pairs) * (int64_t(effect.pairs) + 1) / 2;
+  const int64_t means = int64_t(effect.walks) * (int64_t(effect.walks) + 1) / 2;
   effect.shift = means == 0 ? kNaN : 0.5 * (PairMean(differences, (means - 1) / 2) + PairMean(differences, means / 2));
   effect.p = differences.empty() ? 1 : TestSignedRanks(differences).p_two_sided;
 }
@@ -140,13 +163,15 @@ ConfidenceInterval ShiftInterval(const std::vector<double>& differences, double 
 MedianRow SummarizeRuns(const std::vector<const StudyRun*>& runs, const std::string& score,
                         const StudyStatistics& statistics, const std::string& label) {
   std::vector<double> values;
+  BySeed by_seed;
   for (const StudyRun* run : runs) {
     const double value = run->Value(score);
-    if (std::isfinite(value)) values.push_back(value);
+    if (!std::isfinite(value)) continue;
+    values.push_back(value);
+    by_seed[run->seed].push_back(value);
   }
   RandomStream random(1, "study/" + label + "/" + score);
-  return {values.size(), runs.size(), MedianOf(values),
-          BootstrapMedian(values, statistics.confidence, statistics.resamples, random)};
+  return {values.size(), runs.size(), by_seed.size(), MedianOf(values), BootstrapSeeds(by_seed, statistics, random)};
 }
 
 std::string SummaryCsv(const StudyTable& table, const StudyStatistics& statistics) {
@@ -218,16 +243,18 @@ std::string EffectText(const StudyTable& table, const StudyEffect& effect) {
 
 std::string EffectsCsv(const StudyTable& table, const std::vector<StudyEffect>& effects) {
   std::string text =
-      "rank,axis,level,reference_level,within,metric,unit,pairs,unpaired,reference_median,shift,low,high,p,p_holm\n";
+      "rank,axis,level,reference_level,within,metric,unit,pairs,unpaired,walks,reference_median,shift,low,high,p,"
+      "p_holm\n";
   int rank = 0;
   for (const StudyEffect& e : effects) {
     const StudyAxis& axis = table.axes[e.axis];
     const std::string within =
         e.within ? table.axes[e.within->first].key + "=" + table.axes[e.within->first].levels[e.within->second] : "";
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", ++rank, CsvField(axis.key),
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", ++rank, CsvField(axis.key),
                         CsvField(axis.levels[e.level]), CsvField(axis.levels[axis.reference]), CsvField(within),
-                        e.metric.name, e.metric.unit, e.pairs, e.unpaired, CsvNumber(e.reference), CsvNumber(e.shift),
-                        CsvNumber(e.ends.low), CsvNumber(e.ends.high), CsvNumber(e.p), CsvNumber(e.p_holm));
+                        e.metric.name, e.metric.unit, e.pairs, e.unpaired, e.walks, CsvNumber(e.reference),
+                        CsvNumber(e.shift), CsvNumber(e.ends.low), CsvNumber(e.ends.high), CsvNumber(e.p),
+                        CsvNumber(e.p_holm));
   }
   return text;
 }

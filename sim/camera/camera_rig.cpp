@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/option_reader.h"
 #include "algorithms/core/units.h"
 
 namespace gaitcam {
@@ -23,6 +24,15 @@ void CameraOptions::Check() const {
                       " ms (camera.rate_hz: " + internal::NumberText(rate_hz) + ")");
     }
   }
+  if (ExposesItself()) {
+    auto_exposure->Check();
+    if (auto_exposure->max_ms > period_ms) {
+      throw BadOption("camera.auto_exposure.max_ms: " + internal::NumberText(auto_exposure->max_ms) +
+                      " is not permitted; expected at most the frame period of " + internal::NumberText(period_ms) +
+                      " ms (camera.rate_hz: " + internal::NumberText(rate_hz) + ")");
+    }
+  }
+  if (jpeg) CheckFields(*jpeg, "camera.jpeg.");
   if (exposure.max_subframes < exposure.min_subframes) {
     throw BadOption("camera.max_subframes: " + std::to_string(exposure.max_subframes) +
                     " is not permitted; expected at least camera.min_subframes, " +
@@ -32,8 +42,29 @@ void CameraOptions::Check() const {
     throw BadOption("camera.stereo.right_rotation_deg: expected finite numbers");
 }
 
-CameraRig::CameraRig(const CameraOptions& options, uint64_t seed) : options_(options), seed_(seed) {
+CameraOptions CameraOptions::Of(Preset preset) {
+  CameraOptions o;
+  o.preset = preset;
+  if (preset == Preset::kPlain) return o;
+  o.exposure.readout_ms = 20;
+  o.lens.k1 = -0.15;  // 7 % at the corners of 60 degrees
+  o.lens.k2 = 0.03;
+  o.auto_exposure.emplace();
+  return o;
+}
+
+void ReadOption(const OptionValue& node, CameraOptions& value) {
+  if (node.IsMap() && node.Has("preset")) {
+    ReadOption(node.Child("preset"), value.preset);
+    value = CameraOptions::Of(value.preset);
+  }
+  ReadFields(node, value);
+}
+
+CameraRig::CameraRig(const CameraOptions& options, uint64_t seed, double light_level)
+    : options_(options), seed_(seed), light_level_(light_level) {
   options.Check();
+  Reseed(seed);
   const Lens lens(MakeCamera());  // says now what is wrong with a distortion
 }
 
@@ -82,26 +113,46 @@ RendererOptions CameraRig::MakeRendererOptions() const {
   return options;
 }
 
+void CameraRig::Reseed(uint64_t seed) {
+  seed_ = seed;
+  exposure_ = options_.exposure;
+  if (!options_.ExposesItself()) return;
+  auto_exposure_.emplace(*options_.auto_exposure, exposure_.exposure_ms, exposure_.reference_exposure_ms);
+  exposure_.exposure_ms = auto_exposure_->exposure_ms();
+}
+
 int64_t CameraRig::FrameStamp(int64_t frame) const {
-  const int64_t first = -WholeShutter(options_.exposure, 0).open_ns;
+  ExposureOptions longest = options_.exposure;
+  longest.exposure_ms = options_.LongestExposure_ms();
+  const int64_t first = -WholeShutter(longest, 0).open_ns;
   return first + int64_t(std::llround(double(frame) * 1e9 / options_.rate_hz));
 }
 
 LatentRigFrame CameraRig::Film(Renderer& renderer, const MotionRecord& record, int64_t frame,
                                const TruthOptions& truth) {
   if (cameras_.empty()) {
-    const FilmOptions film{options_.exposure, options_.antialias, options_.grey, options_.lens.softness_px};
+    const FilmOptions film{options_.exposure, options_.antialias, options_.grey, options_.lens.softness_px,
+                           light_level_};
     for (const WorldCamera& camera : WorldCameras()) {
       cameras_.emplace_back(renderer.model(), camera.name, MakeCamera(), film);
     }
   }
+  for (ExposingCamera& camera : cameras_) camera.SetExposure(exposure_.exposure_ms);
   const int64_t stamp_ns = FrameStamp(frame);
   const auto noise = [&](size_t i) { return RandomStream(seed_, kNames[i] + ("." + std::to_string(frame))); };
   TruthOptions wanted = truth;
   wanted.depth |= options_.depth;
-  LatentRigFrame latent{cameras_[0].Film(renderer, record, stamp_ns, wanted, noise(0)), std::nullopt};
+  LatentRigFrame latent{cameras_[0].Film(renderer, record, stamp_ns, wanted, noise(0)), std::nullopt,
+                        exposure_.exposure_ms};
   constexpr TruthOptions kPosesOnly{false, false, false};
   if (cameras_.size() > 1) latent.right = cameras_[1].Film(renderer, record, stamp_ns, kPosesOnly, noise(1));
+  if (auto_exposure_) {
+    const Amplification now = cameras_[0].sensor().AmplificationAt(exposure_.exposure_ms, auto_exposure_->gain());
+    latent.left.amplification = now;
+    if (latent.right) latent.right->amplification = now;
+    auto_exposure_->Measure(light_level_ * latent.left.luminance);
+    exposure_.exposure_ms = auto_exposure_->exposure_ms();
+  }
   return latent;
 }
 
@@ -110,6 +161,10 @@ RigFrame CameraRig::Develop(LatentRigFrame latent) const {
   result.left = cameras_[0].Develop(std::move(latent.left));
   if (options_.depth) result.depth = Image{result.left.image.stamp_ns, result.left.truth.depth};
   if (latent.right) result.right = cameras_[1].Develop(std::move(*latent.right));
+  if (options_.jpeg) {
+    result.left.image.pixels = ThroughJpeg(result.left.image.pixels, *options_.jpeg);
+    if (result.right) result.right->image.pixels = ThroughJpeg(result.right->image.pixels, *options_.jpeg);
+  }
   return result;
 }
 

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "algorithms/core/camera.h"
+#include "sim/camera/auto_exposure.h"
 #include "sim/camera/exposure.h"
+#include "sim/camera/jpeg.h"
 #include "sim/camera/renderer.h"
 #include "sim/camera/renderer_choice.h"
 #include "sim/world/world.h"
@@ -50,8 +52,18 @@ void VisitFields(Visitor& visit, StereoOptions& o) {
         "of the right camera about the left one's x, y, z, in this order");
 }
 
+/// `cmos`: as small robots carry them.
+enum class CameraPreset { kPlain, kCmos };
+constexpr auto WordsOf(CameraPreset) {
+  return std::array{EnumWord{CameraPreset::kPlain, "plain"}, EnumWord{CameraPreset::kCmos, "cmos"}};
+}
+/// A resolved scenario does not show the plain one.
+inline bool SaysNothing(CameraPreset preset) { return preset == CameraPreset::kPlain; }
+
 struct CameraOptions {
   using DescribedTag = void;
+  using Preset = CameraPreset;
+  Preset preset = Preset::kPlain;
   int width_px = 320;
   int height_px = 240;
   double hfov_deg = 60;
@@ -64,14 +76,22 @@ struct CameraOptions {
   ExposureOptions exposure;  ///< In a scenario file these keys stand directly under `camera`.
   LensOptions lens;
   StereoOptions stereo;
+  std::optional<AutoExposureOptions> auto_exposure;
+  std::optional<JpegOptions> jpeg;
   RendererChoice renderer;
 
+  static CameraOptions Of(Preset preset);
+  /// Whether exposure and gain follow the light.
+  bool ExposesItself() const { return auto_exposure && auto_exposure->enabled; }
+  double LongestExposure_ms() const { return ExposesItself() ? auto_exposure->max_ms : exposure.exposure_ms; }
   /// Also checks combinations of fields. @throws BadOption naming field and value.
   void Check() const;
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, CameraOptions& o) {
+  visit("preset", o.preset, EnumWords<CameraPreset>(),
+        "what the other keys start from: plain; or cmos: a rolling shutter of 20 ms, barrel distortion, auto exposure");
   visit("width_px", o.width_px, Between(16, 4096), "image width");
   visit("height_px", o.height_px, Between(16, 4096), "image height");
   visit("hfov_deg", o.hfov_deg, Between(5, 150), "horizontal field of view, edge to edge, before distortion");
@@ -84,11 +104,16 @@ void VisitFields(Visitor& visit, CameraOptions& o) {
   VisitFields(visit, o.exposure);
   visit("lens", o.lens, Nested(), "distortion and principal point");
   visit("stereo", o.stereo, Nested(), "second camera");
+  visit("auto_exposure", o.auto_exposure, Nested(), "exposure and gain follow the light; absent: they are fixed");
+  visit("jpeg", o.jpeg, Nested(), "images are compressed, and the system gets what is decoded; absent: they are not");
   visit(
       "renderer", o.renderer, Nested(),
       "who renders: auto (the first GPU, else software), gpu, software, or device:N as `gaitcam doctor` numbers them; "
       "the environment variable GAITCAM_EGL overrides it");
 }
+
+/// A map of keys that differ from those of its `preset`. @throws BadInput, BadOption.
+void ReadOption(const OptionValue& node, CameraOptions& value);
 
 /// What a rig films in one frame.
 struct RigFrame {
@@ -101,12 +126,13 @@ struct RigFrame {
 struct LatentRigFrame {
   LatentFrame left;
   std::optional<LatentFrame> right;
+  double exposure_ms = 0;  ///< Of this frame.
 };
 
 class CameraRig {
  public:
-  /// @throws BadOption.
-  CameraRig(const CameraOptions& options, uint64_t seed);
+  /// @param light_level of the scene (Scene::light). @throws BadOption.
+  CameraRig(const CameraOptions& options, uint64_t seed, double light_level = 1);
 
   /// The cameras' part of a calibration; the IMU is left at its default.
   Calibration MakeCalibration() const;
@@ -117,10 +143,11 @@ class CameraRig {
   /// Middle of the exposure of frame 0, 1, 2, ...; frame 0 opens its shutter at time 0.
   int64_t FrameStamp(int64_t frame) const;
   /// The time that the motion record must cover to expose a frame of this stamp.
-  ShutterInterval Shutter(int64_t stamp_ns) const { return WholeShutter(options_.exposure, stamp_ns); }
+  /// With auto exposure, of the frame that is filmed next.
+  ShutterInterval Shutter(int64_t stamp_ns) const { return WholeShutter(exposure_, stamp_ns); }
 
   /// Renders what frame number `frame` needs, at FrameStamp(frame). Its noise depends on the seed and this number
-  /// alone.
+  /// alone; auto exposure on what was filmed before.
   /// @param record covers Shutter(FrameStamp(frame)). @param truth what to make for the left camera.
   LatentRigFrame Film(Renderer& renderer, const MotionRecord& record, int64_t frame, const TruthOptions& truth);
   /// Makes the images. May run on another thread while Film() renders later frames.
@@ -130,8 +157,8 @@ class CameraRig {
     return Develop(Film(renderer, record, frame, truth));
   }
 
-  /// Changes the noise of the frames that follow.
-  void Reseed(uint64_t seed) { seed_ = seed; }
+  /// Begins anew: other noise of the frames that follow, auto exposure as at first.
+  void Reseed(uint64_t seed);
   const CameraOptions& options() const { return options_; }
 
  private:
@@ -139,7 +166,10 @@ class CameraRig {
   Pose X_LR() const;
 
   CameraOptions options_;
+  ExposureOptions exposure_;  ///< Of the next frame.
+  std::optional<AutoExposure> auto_exposure_;
   uint64_t seed_;
+  double light_level_;
   std::vector<ExposingCamera> cameras_;  ///< Made when the first frame names the model.
 };
 

@@ -90,7 +90,7 @@ ExposingCamera::ExposingCamera(const mjModel* model, const std::string& camera_n
       lens_(std::make_unique<Lens>(camera)),
       keys_(*lens_),
       options_(options),
-      sensor_(options.exposure, options.grey),
+      sensor_(options.exposure, options.grey, options.light_level),
       data_(MakePoseData(model)) {
   GAITCAM_ASSERT(options.antialias >= 1 && data_ != nullptr);
 }
@@ -324,6 +324,7 @@ LatentFrame ExposingCamera::Film(Renderer& renderer, const MotionRecord& record,
   } else {
     latent.light = Integrate(renderer, record, plan, stamp_ns);
   }
+  latent.luminance = keys > 0 ? MeanLuminance(latent.middle_key->picture) : MeanLuminanceOfLight(latent.light);
   PosePeople(record, seen, latent.instants);
   TracePaths(record, seen, latent);
   return latent;
@@ -362,12 +363,13 @@ void ExposingCamera::DescribeBlur(const LatentFrame& latent, FilmedTruth& truth)
 ExposedFrame ExposingCamera::Develop(LatentFrame latent) const {
   ExposedFrame frame = std::move(latent.frame);
   const cv::Mat light = latent.slots.empty() ? Soften(latent.light, LensVariance()) : Shear(latent);
-  frame.image.pixels = sensor_.Develop(light, latent.noise);
+  const Amplification amplification = latent.amplification.value_or(sensor_.amplification());
+  frame.image.pixels = sensor_.Develop(light, latent.noise, amplification);
   if (latent.wanted.sharp && latent.sharp.empty()) {  // plainly integrated after all
     keys_.Decode(*latent.middle_key);
     latent.sharp = Sharp(*latent.middle_key);
   }
-  if (latent.wanted.sharp) frame.truth.sharp = sensor_.DevelopNoiseless(latent.sharp);
+  if (latent.wanted.sharp) frame.truth.sharp = sensor_.DevelopNoiseless(latent.sharp, amplification);
   if (latent.wanted.depth) frame.truth.depth = latent.depth;
   DescribeBlur(latent, frame.truth);
   return frame;

@@ -61,6 +61,7 @@ struct FilmOptions {
       4;  ///< Samples of a pixel of a frame or a sharp twin at least, unless exposure.fixed_subframes is set.
   bool grey = false;         ///< Monochrome sensor.
   double softness_px = 0.5;  ///< Standard deviation of the lens's point spread.
+  double light_level = 1;    ///< Of the scene (Scene::light).
 };
 
 /// What one exposure gathered, before it is developed. It owns all that developing needs.
@@ -81,8 +82,10 @@ struct LatentFrame {
   double shape_cost = 0;                    ///< Of people in view, beside a picture's pixels (ShapeCost),
   cv::Mat depth, bodies;                    ///< what the camera then sees; no bodies where only the world is in view,
   cv::Mat sharp;                            ///< and the light of its sharp twin, if it was rendered.
-  std::optional<SeenPoints> points;         ///< Points seen then,
-  std::vector<SceneInstant> path;           ///< what they move by, from opening to close,
+  double luminance = 0;                     ///< Mean of the light, linear, 1 is display white at light level 1.
+  std::optional<Amplification> amplification;                     ///< Of this frame; absent: by the options.
+  std::optional<SeenPoints> points;                               ///< Points seen then,
+  std::vector<SceneInstant> path;                                 ///< what they move by, from opening to close,
   std::vector<std::pair<SceneInstant, SceneInstant>> open_close;  ///< and opening and close of each band of rows.
 };
 
@@ -116,6 +119,9 @@ class ExposingCamera {
     return Develop(Film(renderer, record, stamp_ns, truth, std::move(noise)));
   }
 
+  /// Of the frames that are filmed from now on.
+  void SetExposure(double exposure_ms) { options_.exposure.exposure_ms = exposure_ms; }
+  const ImageSensor& sensor() const { return sensor_; }
   const Lens& lens() const { return *lens_; }
 
  private:

@@ -61,14 +61,19 @@ void Fill(std::vector<float>& values, const std::vector<float>& table, RandomStr
 
 }  // namespace
 
-ImageSensor::ImageSensor(const ExposureOptions& options, bool grey)
-    : options_(options), grey_(grey), response_(MakeResponse(options.response)) {
+ImageSensor::ImageSensor(const ExposureOptions& options, bool grey, double light_level)
+    : options_(options), grey_(grey), light_level_(light_level), response_(MakeResponse(options.response)) {
   CheckFields(options);
-  const double share = options.exposure_ms > 0 ? options.exposure_ms / options.reference_exposure_ms : 1;
+  const double share =
+      light_level * (options.exposure_ms > 0 ? options.exposure_ms / options.reference_exposure_ms : 1);
   const bool automatic = options.gain == GainMode::kAuto;
-  white_e_ = options.full_well_e * (automatic ? std::min(1.0, share) : share);
-  gain_ = automatic ? options.full_well_e / white_e_ : 1;
+  amplification_.white_e = options.full_well_e * (automatic ? std::min(1.0, share) : share);
+  amplification_.gain = automatic ? options.full_well_e / amplification_.white_e : 1;
   if (options.noise > 0) normals_ = MakeNormals(kNormals);
+}
+
+Amplification ImageSensor::AmplificationAt(double exposure_ms, double gain) const {
+  return {options_.full_well_e * light_level_ * exposure_ms / options_.reference_exposure_ms, gain};
 }
 
 cv::Mat ImageSensor::ToChannels(const cv::Mat& light) const {
@@ -79,14 +84,14 @@ cv::Mat ImageSensor::ToChannels(const cv::Mat& light) const {
   return luminance;
 }
 
-cv::Mat ImageSensor::Develop(const cv::Mat& light, RandomStream noise) const {
-  if (options_.noise == 0) return DevelopNoiseless(light);
+cv::Mat ImageSensor::Develop(const cv::Mat& light, RandomStream noise, const Amplification& amplification) const {
+  if (options_.noise == 0) return DevelopNoiseless(light, amplification);
   const cv::Mat channels = ToChannels(light);
   cv::Mat image(light.size(), CV_8UC(channels.channels()));
   const int count = channels.cols * channels.channels();
-  const float white = float(white_e_), factor = float(options_.noise), well = float(options_.full_well_e);
+  const float white = float(amplification.white_e), factor = float(options_.noise), well = float(options_.full_well_e);
   const float read_variance = float(options_.read_noise_e * options_.read_noise_e);
-  const float to_code = float(gain_ / options_.full_well_e) * kConverterSteps;
+  const float to_code = float(amplification.gain / options_.full_well_e) * kConverterSteps;
   const float to_step = kResponseSteps / kConverterSteps;
   std::vector<float> normal(count);
   std::vector<int> step(count);
@@ -105,10 +110,11 @@ cv::Mat ImageSensor::Develop(const cv::Mat& light, RandomStream noise) const {
   return image;
 }
 
-cv::Mat ImageSensor::DevelopNoiseless(const cv::Mat& light) const {
+cv::Mat ImageSensor::DevelopNoiseless(const cv::Mat& light, const Amplification& amplification) const {
   const cv::Mat channels = ToChannels(light);
   cv::Mat image(light.size(), CV_8UC(channels.channels()));
-  const float white = float(white_e_), well = float(options_.full_well_e), gain = float(gain_);
+  const float white = float(amplification.white_e), well = float(options_.full_well_e);
+  const float gain = float(amplification.gain);
   for (int row = 0; row < image.rows; ++row) {
     const float* from = channels.ptr<float>(row);
     uint8_t* to = image.ptr<uint8_t>(row);

@@ -50,6 +50,26 @@ double LinearToSrgb(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
+double MeanLuminance(const cv::Mat& bgrx_bottom_up) {
+  constexpr int kStride = 4;
+  const DecodeTable& table = UnitTable();
+  double sum = 0;
+  int64_t count = 0;
+  for (int row = 0; row < bgrx_bottom_up.rows; row += kStride) {
+    const uint8_t* from = bgrx_bottom_up.ptr<uint8_t>(row);
+    for (int col = 0; col < bgrx_bottom_up.cols; col += kStride, ++count) {
+      const uint8_t* p = from + 4 * col;
+      sum += 0.0722 * double(table[p[0]]) + 0.7152 * double(table[p[1]]) + 0.2126 * double(table[p[2]]);
+    }
+  }
+  return sum / double(std::max<int64_t>(1, count));
+}
+
+double MeanLuminanceOfLight(const cv::Mat& light) {
+  const cv::Scalar mean = cv::mean(light);
+  return 0.0722 * mean[0] + 0.7152 * mean[1] + 0.2126 * mean[2];
+}
+
 void LightAccumulator::AddRow(const cv::Mat& bgrx_bottom_up, int row, const float* table) {
   const uint8_t* from = bgrx_bottom_up.ptr<uint8_t>(light_.rows - 1 - row);
   float* to = light_.ptr<float>(row);

@@ -43,6 +43,11 @@ class LightAccumulator {
 /// @param bgrx_bottom_up as LightAccumulator takes them.
 cv::Mat MeanLight(const cv::Mat& bgrx_bottom_up, int finer);
 
+/// Mean luminance (Rec. 709) of a picture, linear, of every fourth pixel along and across: as a light meter needs it.
+double MeanLuminance(const cv::Mat& bgrx_bottom_up);
+/// The same of light, CV_32FC3 (BGR).
+double MeanLuminanceOfLight(const cv::Mat& light);
+
 /// Light of each pixel of a picture, CV_32FC4 (BGR and nothing), row 0 on top: four lanes for vector arithmetic.
 void DecodeLight(const cv::Mat& bgrx_bottom_up, cv::Mat& light);
 

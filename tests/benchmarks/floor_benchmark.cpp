@@ -35,8 +35,7 @@ const Walk& Tabletop() {
   static const Walk walk = [] {
     const ResolvedScenario resolved =
         ReadScenario(GAITCAM_SOURCE_DIR "/scenarios/tabletop_khr1hv.yaml", {"duration_s=15", "gait.preset=normal"});
-    Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved.scenario),
-                          resolved.scenario.seed);
+    Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved), resolved.scenario.seed);
     Walk made{simulation.calibration(), {}};
     while (std::optional<SimulatedFrame> frame = simulation.Next())
       made.frames.push_back(std::move(frame->observation));

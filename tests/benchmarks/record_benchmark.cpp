@@ -54,7 +54,7 @@ struct Sum {
 
 /// From the first frame's end to the last one's.
 Cost RenderAlone(const ResolvedScenario& resolved) {
-  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved.scenario), resolved.scenario.seed);
+  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved), resolved.scenario.seed);
   simulation.Next();
   Cost cost;
   while (simulation.Next()) ++cost.frames;

@@ -61,6 +61,7 @@ inline constexpr int kMaxSceneTextures = 99;
 struct Scene {
   std::string name;
   std::filesystem::path file;
+  std::vector<std::filesystem::path> bases;            ///< Files of the scenes that it derives from, the nearest first.
   Eigen::Vector2d floor_min{-3, -3}, floor_max{3, 3};  ///< The textured floor's extent, m.
   int floor_texture = -1;
   Eigen::Vector2d floor_texture_size_m{1, 1};  ///< One repeat; the texture's row 0 lies towards +y. Its lower left
@@ -73,8 +74,9 @@ struct Scene {
   std::vector<PersonOptions> people;  ///< Who walks or stands there; see AddPeople.
   int cloth_texture = -1;             ///< Texture of their clothes; one repeat spans `cloth_size_m`.
   Eigen::Vector2d cloth_size_m{1, 1};
-  double ambient = 0.4;                              ///< 0..1
-  Eigen::Vector3d ambient_rgb{1, 1, 1};              ///< Its colour: factors on `ambient`.
+  double ambient = 0.4;                  ///< 0..1
+  Eigen::Vector3d ambient_rgb{1, 1, 1};  ///< Its colour: factors on `ambient`.
+  double light = 1;  ///< Factor on all light that reaches a camera's sensor, linear; pictures for people ignore it.
   Eigen::Vector3d background_rgb{0.55, 0.65, 0.75};  ///< Colour of the background.
   Eigen::Vector3d start{0, 0, 0};  ///< Where robots start unless the scenario says otherwise: x, y, yaw.
 };
@@ -82,6 +84,19 @@ struct Scene {
 /// Reads a shipped scene by name, or any scene by path. Textures follow from the scene's own seed.
 /// @throws BadInput naming file, line, key and what is expected.
 Scene ReadScene(const std::string& name_or_path, const std::filesystem::path& models_folder);
+
+/// In what a repeat of an experiment finds a scene otherwise. The defaults change nothing.
+struct SceneVariation {
+  std::optional<uint64_t> seed;               ///< Instead of the scene's own: textures, scattered posters and prints.
+  double light = 1;                           ///< Factor on Scene::light.
+  double furniture_m = 0, furniture_deg = 0;  ///< Each piece stands up to so far beside its place, along x and y.
+  uint64_t draw = 0;                          ///< Seed of where pieces stand.
+};
+
+/// A scene as a repeat finds it. @throws BadInput as ReadScene; also if the scene with that seed has no room for its
+/// scattered posters or prints.
+Scene ReadVariedScene(const std::string& name_or_path, const std::filesystem::path& models_folder,
+                      const SceneVariation& variation);
 
 /// Names of the shipped scenes, sorted.
 std::vector<std::string> ListScenes(const std::filesystem::path& models_folder);

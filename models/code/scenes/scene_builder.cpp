@@ -398,6 +398,7 @@ Scene SceneBuilder::Build() {
   CheckColor(root_, "background_rgb", file_.background_rgb);
   scene_.background_rgb = file_.background_rgb;
   scene_.ambient = file_.ambient;
+  scene_.light = file_.light;
   scene_.start = {file_.start.x(), file_.start.y(), Radians(file_.start.z())};
   try {
     AddPeople(file_.people, scene_);

@@ -14,6 +14,9 @@
 ///     - {at: [0, 2, 0.2], size: [0.4, 0.4, 0.4], texture: cardboard}
 ///   people:
 ///     - {path: [[1, -2], [1, 2]], repeat: true, speed_m_s: 1.1}
+///
+/// With `base: lab` it is that scene but for the keys that it gives: maps are laid over the base's, lists and single
+/// values replace it. Pictures that it shows lie beside its own file.
 
 #pragma once
 
@@ -133,6 +136,7 @@ struct LightEntry {
 
 struct SceneFile {
   using DescribedTag = void;
+  std::string base;
   uint64_t seed = 0;
   std::map<std::string, TextureOptions> textures;
   FloorEntry floor;
@@ -143,6 +147,7 @@ struct SceneFile {
   std::vector<BoxEntry> boxes;
   std::vector<LightEntry> lights;
   double ambient = 0.4;
+  double light = 1;
   Eigen::Vector3d background_rgb{0.55, 0.65, 0.75};
   Eigen::Vector3d start{0, 0, 0};
   std::vector<PersonOptions> people;
@@ -243,6 +248,7 @@ void VisitFields(Visitor& visit, LightEntry& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, SceneFile& o) {
+  visit("base", o.base, AnyText(), "shipped scene, or path of a scene YAML, that this one is but for its own keys");
   visit("seed", o.seed, AtLeast(0), "of all textures and random positions");
   visit("textures", o.textures, Nested(), "names of textures");
   visit("floor", o.floor, Nested(), "");
@@ -253,6 +259,8 @@ void VisitFields(Visitor& visit, SceneFile& o) {
   visit("boxes", o.boxes, Nested(), "");
   visit("lights", o.lights, Nested(), "");
   visit("ambient", o.ambient, Between(0, 1), "light from everywhere");
+  visit("light", o.light, Between(0.001, 100),
+        "factor on all light that reaches a camera; 1: display white is just white at camera.reference_exposure_ms");
   visit("background_rgb", o.background_rgb, Nested(), "beyond everything");
   visit("start", o.start, Nested(), "x, y in m, yaw in degrees");
   visit("people", o.people, Nested(), "who walks or stands there");

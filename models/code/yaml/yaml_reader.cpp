@@ -65,6 +65,19 @@ OptionValue ParseYaml(const std::string& text, const std::string& name) {
   }
 }
 
+OptionValue Overlay(const OptionValue& base, const OptionValue& over) {
+  if (!base.IsMap() || !over.IsMap()) return over;
+  std::vector<OptionValue::Entry> entries;
+  for (const OptionValue::Entry& entry : base.entries()) {
+    if (!over.Has(entry.key)) entries.push_back(entry);
+  }
+  for (const OptionValue::Entry& entry : over.entries()) {
+    const OptionValue below = base.Has(entry.key) ? base.Child(entry.key) : OptionValue();
+    entries.push_back({entry.key, entry.origin, Overlay(below, entry.value)});
+  }
+  return OptionValue::Map(std::move(entries), over.origin());
+}
+
 void SetOption(OptionValue& root, const std::string& assignment) {
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {

@@ -17,6 +17,10 @@ OptionValue LoadYaml(const std::filesystem::path& file);
 /// The same from a text; errors name it `name`.
 OptionValue ParseYaml(const std::string& text, const std::string& name);
 
+/// A map over another: keys of `over` replace those of `base`; where both have maps, these are laid over each other in
+/// the same way. Lists and scalars are replaced whole.
+OptionValue Overlay(const OptionValue& base, const OptionValue& over);
+
 /// Replaces or adds the value at a dotted key ("gait.period_s=0.3", "path.points=[[0,0],[1,0]]"); the value is YAML.
 /// @throws BadInput if `assignment` has no "=", its value is not YAML, or its key leads through something that is not a
 /// map.

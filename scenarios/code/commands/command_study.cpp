@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "algorithms/core/errors.h"
 #include "results/reports/study_report.h"
@@ -12,6 +13,7 @@
 #include "scenarios/code/jobs/study.h"
 #include "scenarios/code/runs/interrupt.h"
 #include "scenarios/code/runs/output_folder.h"
+#include "scenarios/code/runs/runner.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -60,6 +62,9 @@ std::vector<std::pair<std::string, std::string>> FactsOf(const Study& study, con
   for (const StudyRun& run : study.table.runs) {
     if (!run.renderer.empty()) ++renderers[run.renderer];
   }
+  std::set<std::string> steering;
+  for (const Condition& condition : study.experiment.conditions) steering.insert(SteeringText(condition.resolved));
+  for (const std::string& text : steering) facts.emplace_back("robots", text);
   for (const auto& [renderer, runs] : renderers)
     facts.emplace_back("renderer", renderers.size() == 1 ? renderer : fmt::format("{}: {} runs", renderer, runs));
   return facts;
@@ -101,13 +106,14 @@ void PrintEffects(const Study& study, const std::vector<StudyEffect>& effects, s
     metric_width = std::max(metric_width, effects[i].metric.name.size());
   }
   fmt::print(
-      "Effects, the surest first: shift with its {} interval, Wilcoxon's p, corrected for {} comparisons (Holm)\n",
+      "Effects, the surest first: shift with its {} interval, Wilcoxon's p, corrected for {} comparisons (Holm); "
+      "n walks (seeds), each with the median of its pairs\n",
       Percent(study.options.confidence), effects.size());
   for (size_t i = 0; i < shown; ++i) {
     const StudyEffect& e = effects[i];
     const int verdict = e.Verdict(study.options.confidence);
     fmt::print("  {:<{}}  {:<{}}  {:>9} [{}, {}]  n={}  p={:.2g}  {}\n", EffectText(study.table, e), width,
-               e.metric.name, metric_width, ScoreText(e.shift), ScoreText(e.ends.low), ScoreText(e.ends.high), e.pairs,
+               e.metric.name, metric_width, ScoreText(e.shift), ScoreText(e.ends.low), ScoreText(e.ends.high), e.walks,
                e.p_holm,
                verdict > 0   ? "better"
                : verdict < 0 ? "worse"
@@ -147,6 +153,7 @@ nlohmann::ordered_json ToJson(const Study& study, const std::vector<StudyEffect>
                                {"metric", e.metric.name},
                                {"pairs", e.pairs},
                                {"unpaired", e.unpaired},
+                               {"walks", e.walks},
                                {"reference_median", Number(e.reference)},
                                {"shift", Number(e.shift)},
                                {"low", Number(e.ends.low)},

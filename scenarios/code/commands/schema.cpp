@@ -42,6 +42,10 @@ Schema NamedSystemSchema() {
 
 /// The keys of a scenario with their dots, each with where its schema stands: "camera.exposure_ms".
 void AddDottedKeys(const Schema& schema, const std::string& prefix, const std::string& pointer, Schema& keys) {
+  if (schema.contains("anyOf") && prefix != "system.") {  // a block that may also be a word, or nothing
+    for (size_t i = 0; i < schema["anyOf"].size(); ++i)
+      AddDottedKeys(schema["anyOf"][i], prefix, pointer + "/anyOf/" + std::to_string(i), keys);
+  }
   if (!schema.contains("properties")) return;
   for (const auto& [key, property] : schema["properties"].items()) {
     const std::string here = pointer + "/properties/" + key;
@@ -92,6 +96,15 @@ Schema SuiteSchema() {
   for (const char* key : {"scenarios", "systems", "metrics"}) schema["properties"][key]["minItems"] = 1;
   schema["$defs"] = ExperimentDefinitions();
   return schema;
+}
+
+/// A preset's word, or a map of keys that differ from one (preset_block.h).
+template <class Block>
+Schema PresetBlockSchema(const Block& block) {
+  internal::SchemaVisitor visitor;
+  VisitFields(visitor, const_cast<Block&>(block));  // the visitor only reads
+  const Schema word{{"type", "string"}, {"enum", visitor.properties["preset"]["enum"]}};
+  return {{"anyOf", {word, {{"type", "object"}, {"properties", visitor.properties}, {"additionalProperties", false}}}}};
 }
 
 template <class T>
@@ -171,6 +184,9 @@ Schema SchemaOf(const PairChoice&) { return {{"anyOf", {{{"type", "boolean"}}, S
 Schema SchemaOf(const RendererChoice&) {
   return {{"type", "string"}, {"pattern", "^(auto|gpu|software|device:[0-9]+)$"}};
 }
+
+Schema SchemaOf(const VariationOptions& value) { return PresetBlockSchema(value); }
+Schema SchemaOf(const CalibrationErrorOptions& value) { return PresetBlockSchema(value); }
 
 Schema SchemaOf(const Assignments&) { return Reference("assignments"); }
 Schema SchemaOf(const Axes&) { return Reference("axes"); }

@@ -41,6 +41,8 @@ Schema SchemaOf(const GaitChoice&);
 Schema SchemaOf(const PersonOptions&);
 Schema SchemaOf(const PairChoice&);
 Schema SchemaOf(const RendererChoice&);
+Schema SchemaOf(const VariationOptions&);
+Schema SchemaOf(const CalibrationErrorOptions&);
 Schema SchemaOf(const Assignments&);  ///< Refers to $defs/assignments of the file's schema.
 Schema SchemaOf(const Axes&);         ///< Refers to $defs/axes.
 Schema SchemaOf(const Seeds&);
@@ -73,6 +75,8 @@ inline Schema DefaultOf(bool value) { return value; }
 inline Schema DefaultOf(const std::string& value) { return value.empty() ? Schema() : Schema(value); }
 inline Schema DefaultOf(const SystemChoice& value) { return value.name; }
 inline Schema DefaultOf(const RendererChoice& value) { return value.ToText(); }
+inline Schema DefaultOf(const VariationOptions& value) { return std::string(ToWord(value.preset)); }
+inline Schema DefaultOf(const CalibrationErrorOptions& value) { return std::string(ToWord(value.preset)); }
 template <class T>
 Schema DefaultOf(const std::vector<T>& values) {
   if constexpr (std::is_same_v<T, std::string> || std::is_arithmetic_v<T>) return values;

@@ -173,6 +173,16 @@ constexpr const char* kPairsText =
   whether on the floor; `pair.txt` stamps and poses. All at mid-exposure.
 )";
 
+/// Nothing if every sequence has its right calibration.
+std::string CalibrationErrorText(const RecordMatrix& matrix) {
+  const auto& conditions = matrix.experiment.conditions;
+  const auto errs = [](const Condition& c) { return !SaysNothing(c.resolved.scenario.calibration_error); };
+  if (std::none_of(conditions.begin(), conditions.end(), errs)) return "";
+  return "Calibrations and readings are wrong on purpose, as a bench leaves them (`calibration_error` of the "
+         "scenario):\n"
+         "the truth's folder has the right `calibration.yaml`, and `calibration_error.yaml` says what is wrong.\n\n";
+}
+
 }  // namespace
 
 std::string DatasetIndex(const RecordMatrix& matrix, const std::vector<SequenceRecord>& records) {
@@ -204,7 +214,8 @@ std::string DatasetCard(const RecordMatrix& matrix, const std::vector<SequenceRe
       "rendered scene. Each image is the average, in linear light, of as many instants of the exposure as its motion\n"
       "needs, with photon and read noise. No people, no places of the real world, no personal data.\n\n" +
       "**Licence:** " + (o.licence.empty() ? "not stated; ask whoever gave you this data" : o.licence) + "\n\n" +
-      "## What varies\n\n" + AxesText(matrix) + "\n## Sequences\n\n" + SequenceTable(matrix, records) + "\n";
+      CalibrationErrorText(matrix) + "## What varies\n\n" + AxesText(matrix) + "\n## Sequences\n\n" +
+      SequenceTable(matrix, records) + "\n";
   const DatasetFormat format = o.recording.format;
   text += fmt::format(fmt::runtime(kLayout), fmt::arg("layout", NameOfLayout(format)),
                       fmt::arg("sensors", SensorsText(format)),

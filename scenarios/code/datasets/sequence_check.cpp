@@ -277,7 +277,15 @@ SequenceReport CheckSequence(const DatasetFolders& folders) {
   SensorCheck sensors(folders.sensors, report);
   sensors.Run();
   report.with_truth = fs::is_directory(folders.truth);
-  if (report.with_truth) CheckTruth(folders, sensors.frames(), sensors.calibration(), report);
+  if (!report.with_truth) return report;
+  std::optional<Calibration> right = sensors.calibration();
+  const fs::path file = TrueCalibrationFileOf(folders);
+  try {
+    if (fs::exists(file)) right = ReadCalibration(file);
+  } catch (const BadInput& e) {
+    report.problems.push_back(ProblemOf(e, file));
+  }
+  CheckTruth(folders, sensors.frames(), right, report);
   return report;
 }
 

@@ -11,6 +11,7 @@
 #include "models/code/yaml/yaml_writer.h"
 #include "scenarios/code/datasets/preview.h"
 #include "scenarios/code/files/versions.h"
+#include "scenarios/code/runs/calibration_error.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/recorder.h"
 #include "scenarios/code/runs/renderer_record.h"
@@ -87,7 +88,9 @@ DatasetWriterOptions SequenceOptions::WriterOptions() const {
 std::string RecipeOf(const ResolvedScenario& resolved, const SequenceOptions& options) {
   YAML::Emitter out;
   WriteYaml(out, options);
-  return Sha256(FramesHashOf(resolved) + "\n" + out.c_str());
+  std::string text = FramesHashOf(resolved) + "\n" + out.c_str();
+  for (const auto& [name, value] : CalibrationErrorFacts(resolved)) text += "\n" + name + ": " + value;
+  return Sha256(text);
 }
 
 SequenceRecord DescribeRecording(const DatasetFolders& folders, const SequenceOptions& options,

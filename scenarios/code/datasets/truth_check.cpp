@@ -162,7 +162,7 @@ class TruthCheck {
     const auto compare = [&](const std::string& key, double is, double should_be) {
       if (std::abs(is - should_be) <= 1e-9 * std::max(1.0, std::abs(should_be))) return;
       problems_.push_back(
-          {CalibrationFileOf(folders_.sensors, format_), 0,
+          {RightCalibrationFileOf(folders_, format_), 0,
            fmt::format("{} is {:.9g}, but the camera of {} has {:.9g}", key, is, file.string(), should_be)});
     };
     const auto compare_camera = [&](const std::string& key, const CameraModel& a, const CameraModel& b) {
@@ -223,7 +223,7 @@ class TruthCheck {
                                                   {"fy", calibration_->camera.fy, floor.fy, floor.fy_std}}) {
       if (std > kFocalCertain * should_be || std::abs(is / should_be - 1) <= kFocalError) continue;
       problems_.push_back(
-          {CalibrationFileOf(folders_.sensors, format_), 0,
+          {RightCalibrationFileOf(folders_, format_), 0,
            fmt::format("camera.{} is {:.2f} px, but {} points of the floor, by true depth and pose, lie in "
                        "the floor at {:.2f} px ({:+.1f} %)",
                        key, is, floor.points, should_be, 100 * (is / should_be - 1))});

@@ -235,7 +235,7 @@ void Walk(double exposure_ms, int frames, WalkTable& table) {
   constexpr int kSkip = 7;
   const ResolvedScenario resolved = ReadScenario(DataFolder() / "scenarios/lab_loop_brisk.yaml",
                                                  {fmt::format("camera.exposure_ms={:g}", exposure_ms)});
-  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved.scenario), resolved.scenario.seed);
+  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved), resolved.scenario.seed);
   TruthOptions with, without;
   with.sharp = without.sharp = false;
   without.blur = without.depth = false;

@@ -66,7 +66,7 @@ class BareLoop {
 };
 
 SimulationOptions OptionsOf(const ResolvedScenario& resolved, double longest_s) {
-  SimulationOptions options = SimulationOptionsOf(resolved.scenario);
+  SimulationOptions options = SimulationOptionsOf(resolved);
   options.camera.exposure.noise = 0;
   options.camera.stereo.baseline_m = 0;
   if (options.duration_s <= 0 || options.duration_s > longest_s) options.duration_s = longest_s;

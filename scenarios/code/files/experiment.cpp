@@ -164,11 +164,7 @@ std::string Condition::Label() const {
   return label;
 }
 
-ResolvedScenario Condition::WithSeed(uint64_t seed) const {
-  ResolvedScenario copy = resolved;
-  copy.scenario.seed = seed;
-  return copy;
-}
+ResolvedScenario Condition::WithSeed(uint64_t seed) const { return resolved.WithSeed(seed); }
 
 Experiment ResolveExperiment(const OptionValue& root, const ExperimentOptions& options, bool yes) {
   CheckShape(root, options, yes);

@@ -1,14 +1,18 @@
 #include "scenarios/code/files/scenario.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
+#include "algorithms/core/units.h"
 #include "algorithms/io/checksum.h"
 #include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
 #include "scenarios/code/files/folders.h"
 #include "scenarios/code/files/system_needs.h"
 #include "scenarios/code/systems/chosen_system.h"
+#include "sim/walking/walker.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -51,11 +55,43 @@ void ResolveGait(const OptionValue& root, const Robot& robot, GaitChoice& gait) 
   if (root.Has("gait")) ReadOption(root.Child("gait"), gait);
 }
 
-/// Before `--set system.feature=akaze` where the scenario says `system: NAME`, or nothing: the name becomes a map's.
-void MakeRoomForSystemSetting(OptionValue& root, const std::string& assignment) {
-  if (!assignment.starts_with("system.")) return;
-  const OptionValue name = root.Has("system") ? root.Child("system") : OptionValue(SystemChoice().name);
-  if (name.IsScalar()) root.Set("system", OptionValue::Map({{"name", name.origin(), name}}, name.origin()));
+/// Before `--set system.feature=akaze` where the scenario says `system: NAME`, or nothing, and the like: the word
+/// becomes a map's.
+void MakeRoomForSetting(OptionValue& root, const std::string& assignment) {
+  struct Block {
+    std::string key, word_key, word;
+  };
+  static const Block kBlocks[] = {{"system", "name", SystemChoice().name},
+                                  {"variation", "preset", "none"},
+                                  {"calibration_error", "preset", "none"}};
+  for (const auto& [key, word_key, word] : kBlocks) {
+    if (!assignment.starts_with(key + ".")) continue;
+    const OptionValue value = root.Has(key) ? root.Child(key) : OptionValue(word);
+    if (value.IsScalar()) root.Set(key, OptionValue::Map({{word_key, value.origin(), value}}, value.origin()));
+  }
+}
+
+/// How much of the path's length is walked before the time is up, at most.
+double WalkedPart(const Scenario& scenario, const Robot& robot) {
+  constexpr double kFaster = 1.1;   // than the estimate
+  constexpr double kStep_m = 1e-3;  // shorter steps are not planned: the gait is refused elsewhere
+  const bool steps = robot.kind == Robot::Kind::kOmniBase || scenario.gait.options.step_length_m > kStep_m;
+  if (scenario.duration_s <= 0 || !steps) return 1;
+  const double whole_s = robot.kind == Robot::Kind::kOmniBase
+                             ? EstimateDrivingTime(scenario.drive, scenario.path)
+                             : EstimateWalkingTime(scenario.gait.options, scenario.path);
+  return std::min(1.0, kFaster * scenario.duration_s / whole_s);
+}
+
+/// x m, y m, yaw deg; nothing: as the scene says.
+std::optional<Eigen::Vector3d> StartOf(const ResolvedScenario& resolved) {
+  const Scenario& scenario = resolved.scenario;
+  if (SaysNothing(scenario.variation) || scenario.localisation) return scenario.start;
+  const Eigen::Vector3d& of_scene = resolved.scene.start;
+  const Eigen::Vector3d nominal =
+      scenario.start.value_or(Eigen::Vector3d(of_scene.x(), of_scene.y(), of_scene.z() * kDegPerRad));
+  return StartOfSeed(nominal, scenario.path, WalkedPart(scenario, resolved.robot), resolved.scene, scenario.variation,
+                     scenario.seed);
 }
 
 /// Fails at `setting` within `node`, or as near to it as the file goes.
@@ -80,7 +116,7 @@ void MakeRoomForSystemSetting(OptionValue& root, const std::string& assignment) 
 ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::string>& assignments, ModelShelf* shelf) {
   OptionValue root = LoadYaml(file);
   for (const std::string& assignment : assignments) {
-    MakeRoomForSystemSetting(root, assignment);
+    MakeRoomForSetting(root, assignment);
     SetOption(root, assignment);
   }
   ResolvedScenario resolved;
@@ -100,7 +136,9 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     fail_at("robot", e);
   }
   try {
-    resolved.scene = FromShelf(shelf ? &shelf->scenes : nullptr, scenario.scene, ReadScene);
+    resolved.scene = SaysNothing(scenario.variation)
+                         ? FromShelf(shelf ? &shelf->scenes : nullptr, scenario.scene, ReadScene)
+                         : ReadSceneOfSeed(scenario.scene, scenario.variation, scenario.seed);
   } catch (const BadInput& e) {
     fail_at("scene", e);
   }
@@ -110,9 +148,16 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     fail_at("people", e);
   }
   ResolveGait(root, resolved.robot, scenario.gait);
+  try {
+    resolved.start = StartOf(resolved);
+  } catch (const BadInput& e) {
+    fail_at("variation", e);
+  }
   if (scenario.localisation) {
     if (const auto problem = FindProblem(*scenario.localisation, resolved.scene))
       FailAtSetting(root.Child("localisation"), problem->key, problem->text);
+    if (!SaysNothing(scenario.calibration_error))
+      root.Child("calibration_error").Fail("a localisation knows none; expected no such block beside `localisation`");
   }
   const OptionValue system = root.Has("system") ? root.Child("system") : root;
   ResolveFiles(system, root.folder(), scenario.system);
@@ -136,6 +181,27 @@ std::string ResolvedScenario::ToYaml() const {
   return std::string(out.c_str()) + "\n";
 }
 
+ResolvedScenario ResolvedScenario::WithSeed(uint64_t seed) const {
+  ResolvedScenario copy = *this;
+  copy.scenario.seed = seed;
+  if (SaysNothing(scenario.variation)) return copy;
+  copy.scene = ReadSceneOfSeed(scenario.scene, scenario.variation, seed);
+  AddPeople(scenario.people, copy.scene);
+  copy.start = StartOf(copy);
+  return copy;
+}
+
+std::vector<std::pair<std::string, std::string>> VariationFacts(const ResolvedScenario& resolved) {
+  if (SaysNothing(resolved.scenario.variation)) return {};
+  std::vector<std::pair<std::string, std::string>> facts;
+  if (resolved.start) {
+    const Eigen::Vector3d& s = *resolved.start;
+    facts.emplace_back("start", fmt::format("[{:.4f}, {:.4f}, {:.3f}]", s.x(), s.y(), s.z()));
+  }
+  facts.emplace_back("light", fmt::format("{:.4f}", resolved.scene.light));
+  return facts;
+}
+
 ResolvedScenario ResolvedScenario::OnAnyRenderer() const {
   ResolvedScenario copy = *this;
   copy.scenario.camera.renderer = {};
@@ -155,6 +221,7 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
   if (frames_only) {
     scenario.system = {};
     scenario.system_seed.reset();
+    scenario.calibration_error = {};
     scenario.handicap = {};
     scenario.score = {};
     scenario.camera.renderer = {};
@@ -175,6 +242,7 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
     for (const RobotShape& shape : link.collisions) meshes.insert(shape.mesh);
   }
   std::vector<fs::path> files{resolved.robot.yaml_file, resolved.robot.urdf_file, resolved.scene.file};
+  files.insert(files.end(), resolved.scene.bases.begin(), resolved.scene.bases.end());
   files.insert(files.end(), meshes.begin(), meshes.end());
   files.insert(files.end(), resolved.scene.pictures.begin(), resolved.scene.pictures.end());
   for (const fs::path& file : files) text += file.empty() ? "" : "\n" + Sha256OfFile(file);

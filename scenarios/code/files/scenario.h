@@ -14,7 +14,9 @@
 #include "models/code/robots/robot.h"
 #include "models/code/scenes/scene.h"
 #include "results/scoring/score.h"
+#include "scenarios/code/files/calibration_error_options.h"
 #include "scenarios/code/files/localisation_options.h"
+#include "scenarios/code/files/variation.h"
 #include "scenarios/code/systems/system_choice.h"
 #include "sim/camera/camera_rig.h"
 #include "sim/sensors/sensors.h"
@@ -109,6 +111,8 @@ struct Scenario {
   std::optional<LocalisationOptions> localisation;
   SystemChoice system;
   std::optional<uint64_t> system_seed;
+  VariationOptions variation;
+  CalibrationErrorOptions calibration_error;
   HandicapOptions handicap;
   ScoreOptions score;
   ReportFilmOptions video;
@@ -137,6 +141,10 @@ void VisitFields(Visitor& visit, Scenario& o) {
         "SLAM system: a name, {name: ..., setting: ...}, or somebody else's: {plugin: ...}, {process: ...}, {command: "
         "...}");
   visit("system_seed", o.system_seed, Nested(), "randomness of the SLAM system alone; absent: as seed");
+  visit("variation", o.variation, Nested(),
+        "what differs from seed to seed as in repeats of an experiment: none, repeat, or single things");
+  visit("calibration_error", o.calibration_error, Nested(),
+        "what the system's calibration has wrong, drawn by seed: none, bench, or single errors");
   visit("handicap", o.handicap, Nested(), "makes the system worse on purpose, to prove a gate");
   visit("score", o.score, Nested(), "association and alignment");
   visit("video", o.video, Nested(), "the film of the report");
@@ -146,12 +154,15 @@ void VisitFields(Visitor& visit, Scenario& o) {
 struct ResolvedScenario {
   Scenario scenario;
   Robot robot;
-  Scene scene;
+  Scene scene;                           ///< As the seed finds it, with all people.
+  std::optional<Eigen::Vector3d> start;  ///< Of this seed: x m, y m, yaw deg; absent: as the scene says.
   std::filesystem::path file;
 
   /// The whole scenario as YAML, every default written out but a `camera.renderer` that is left to the machine; reading
   /// it again gives the same run.
   std::string ToYaml() const;
+  /// The same with another seed: where the scenario varies, another scene and start. @throws BadInput as ReadScenario.
+  ResolvedScenario WithSeed(uint64_t seed) const;
   /// The same without a choice of who renders.
   ResolvedScenario OnAnyRenderer() const;
 };
@@ -159,8 +170,13 @@ struct ResolvedScenario {
 /// SHA-256 of everything that decides a run's numbers: the resolved scenario with what its robot and scene files hold,
 /// and the meshes and pictures that these name, but neither names for people, nor the film, nor where files lie.
 std::string HashOf(const ResolvedScenario& resolved);
-/// ... that decides what the frames show: not the system, nor how it is scored, nor who renders.
+/// ... that decides what the frames show: not the system, nor what it is told wrong, nor how it is scored, nor who
+/// renders.
 std::string FramesHashOf(const ResolvedScenario& resolved);
+
+/// Names and values of what the seed varies, for people and files beside the truth: "start" and "[0.1, -2.2, 4]".
+/// Nothing if the scenario varies nothing.
+std::vector<std::pair<std::string, std::string>> VariationFacts(const ResolvedScenario& resolved);
 
 /// Robots and scenes that were read already: making a scene's textures takes a while.
 struct ModelShelf {

@@ -19,7 +19,7 @@ Facts RunFacts(uint64_t seed);
 /// gaitcam's own version, "0.1.0".
 std::string ProgramVersion();
 
-/// Changes whenever the code that makes frames does (core, io, models, sim), or MuJoCo.
+/// Changes whenever the code that makes frames does (core, io, models, sim, variations), or MuJoCo.
 std::string FramesFingerprint();
 
 /// Changes whenever the running program's bytes do: its SHA-256.

@@ -14,6 +14,7 @@
 #include "algorithms/io/trajectory_file.h"
 #include "results/scoring/score_text.h"
 #include "scenarios/code/files/versions.h"
+#include "scenarios/code/runs/calibration_error.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/renderer_record.h"
 #include "scenarios/code/runs/run_scores.h"
@@ -27,10 +28,10 @@ namespace {
 
 constexpr const char* kSchema = "gaitcam.job.1";
 
-nlohmann::ordered_json ToJson(const JobRecord& record, const std::string& program) {
+nlohmann::ordered_json ToJson(const JobRecord& record, const ResolvedScenario& resolved) {
   nlohmann::ordered_json json{{"schema", kSchema},
                               {"hash", record.hash},
-                              {"program", program},
+                              {"program", ProgramsFingerprint(resolved.scenario)},
                               {"status", record.status},
                               {"failure", record.failure},
                               {"not_scored", record.not_scored},
@@ -38,6 +39,8 @@ nlohmann::ordered_json ToJson(const JobRecord& record, const std::string& progra
                               {"end_time_s", record.end_time_s},
                               {"blur_median_px", record.blur_median_px}};
   WriteRenderer(record.renderer, json);
+  json["steered_by"] = std::string(ToWord(SteeredBy(resolved)));
+  WriteDrawn(resolved, json);
   for (const auto& [name, value] : record.scores) json["scores"][name] = value;  // NaN becomes null
   for (const auto& [name, value] : record.timing) json["timing"][name] = value;
   return json;
@@ -84,7 +87,7 @@ std::optional<TrackedWalk> TrackCached(const ResolvedScenario& resolved, const f
   if (!sequence) return std::nullopt;
   TrackedWalk walk;
   DatasetReader reader(sequence->folders.sensors);
-  TrackingThread tracker(MakeTrackedSystem(resolved.scenario, reader.calibration(), folder));
+  TrackingThread tracker(MakeTrackedSystem(resolved, reader.calibration(), folder));
   walk.estimate = TrackRecorded(reader, tracker, options.interrupted);
   if (options.interrupted()) return std::nullopt;
   walk.truth = sequence->Truth();
@@ -102,8 +105,8 @@ std::optional<TrackedWalk> TrackCached(const ResolvedScenario& resolved, const f
 std::optional<TrackedWalk> TrackItsOwn(const ResolvedScenario& resolved, const fs::path& folder,
                                        const JobOptions& options) {
   const Scenario& scenario = resolved.scenario;
-  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(scenario), scenario.seed);
-  TrackingThread tracker(MakeTrackedSystem(scenario, simulation.calibration(), folder), true);
+  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved), scenario.seed);
+  TrackingThread tracker(MakeTrackedSystem(resolved, simulation.calibration(), folder), true);
   TrackedWalk walk;
   LiveTrackingOptions live{options.interrupted, [](int64_t) { return TruthOptions{false, false, false}; }};
   live.on_frame = [&](const SimulatedFrame& frame) {
@@ -174,7 +177,7 @@ bool RunJob(const ResolvedScenario& resolved, const JobOptions& options) {
   folder.WriteText("tracking.csv", TrackingCsv(walk->estimate));
   folder.WriteText("scenario.yaml", resolved.ToYaml());
   if (scores) folder.WriteText("scores.json", ScoresToJson(*scores));
-  folder.WriteText("job.json", ToJson(record, ProgramsFingerprint(scenario)).dump(2) + "\n");
+  folder.WriteText("job.json", ToJson(record, resolved).dump(2) + "\n");
   folder.Commit();
   return true;
 }

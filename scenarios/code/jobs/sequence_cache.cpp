@@ -97,7 +97,9 @@ bool SequenceCache::Record(const ResolvedScenario& resolved, const fs::path& ent
   options.format.png_compression = 0;  // twice the size, less than half the time to read, for each system anew
   options.quiet = quiet;
   options.interrupted = interrupted;
-  const RecordOutcome outcome = RecordScenario(resolved, DatasetFolders::In(folder.path(), "sequence"), options);
+  ResolvedScenario right = resolved;  // what systems are told wrong comes after the cache: they share one recording
+  right.scenario.calibration_error = {};
+  const RecordOutcome outcome = RecordScenario(right, DatasetFolders::In(folder.path(), "sequence"), options);
   if (outcome.status == "interrupted") return false;
   nlohmann::ordered_json about{{"scenario", resolved.scenario.name},
                                {"status", outcome.status},

@@ -201,8 +201,7 @@ void CheckEntryComparable(const Suite& suite, const SuiteEntry& entry, const Bas
     if (run == runs.end()) Incomparable(file, fmt::format("it has no seed {} of {}", seed, name));
     const ResolvedScenario resolved = entry.WithSeed(seed).OnAnyRenderer();
     if (run->hash == HashOf(resolved)) continue;
-    ResolvedScenario first = entry.resolved.OnAnyRenderer();
-    first.scenario.seed = runs.front().seed;
+    const ResolvedScenario first = entry.WithSeed(runs.front().seed).OnAnyRenderer();
     const std::string difference = DifferenceOf(before.resolved, first.ToYaml());
     Incomparable(file, fmt::format("{} is another scenario by now: {}", name,
                                    difference.empty() ? "the files of its robot or scene have changed" : difference));
@@ -222,18 +221,16 @@ void CheckEntryComparable(const Suite& suite, const SuiteEntry& entry, const Bas
 
 }  // namespace
 
-ResolvedScenario SuiteEntry::WithSeed(uint64_t seed) const {
-  ResolvedScenario copy = resolved;
-  copy.scenario.seed = seed;
-  return copy;
-}
+ResolvedScenario SuiteEntry::WithSeed(uint64_t seed) const { return resolved.WithSeed(seed); }
 
 std::vector<SuiteEntry> Suite::EntriesOf(const WorseSystem& worse) const {
   std::vector<SuiteEntry> made;
   ModelShelf shelf;  // robots and scenes are those that the suite was read with
   for (const SuiteEntry& entry : entries) {
     shelf.robots.emplace(entry.resolved.scenario.robot, entry.resolved.robot);
-    shelf.scenes.emplace(entry.resolved.scenario.scene, entry.resolved.scene);
+    const Scenario& scenario = entry.resolved.scenario;
+    const bool as_shipped = SaysNothing(scenario.variation) && scenario.people.empty();
+    if (as_shipped) shelf.scenes.emplace(scenario.scene, entry.resolved.scene);
   }
   for (const SuiteEntry& entry : entries) {
     if (!worse.systems.empty() &&

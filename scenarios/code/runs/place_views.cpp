@@ -78,14 +78,15 @@ double HeadingOf(const Pose& X_WC) {
   return std::atan2(forward.y(), forward.x());
 }
 
-SimulationOptions StandingOptions(const Scenario& scenario) {
-  SimulationOptions options = SimulationOptionsOf(scenario);
+SimulationOptions StandingOptions(const ResolvedScenario& resolved) {
+  SimulationOptions options = SimulationOptionsOf(resolved);
   options.start.reset();
   return options;
 }
 
-SimulationOptions WalkingOptions(const Scenario& scenario, double exposure_ms) {
-  SimulationOptions options = SimulationOptionsOf(scenario);
+SimulationOptions WalkingOptions(const ResolvedScenario& resolved, double exposure_ms) {
+  const Scenario& scenario = resolved.scenario;
+  SimulationOptions options = SimulationOptionsOf(resolved);
   options.start.reset();
   options.path.kind = PathKind::kStraight;
   options.path.length_m = scenario.localisation->walk_m;
@@ -93,6 +94,7 @@ SimulationOptions WalkingOptions(const Scenario& scenario, double exposure_ms) {
   options.duration_s = 0;
   options.camera.rate_hz = 1 / scenario.localisation->walk_every_s;
   options.camera.exposure.exposure_ms = exposure_ms;
+  if (options.camera.auto_exposure) options.camera.auto_exposure->enabled = false;
   return options;
 }
 
@@ -138,7 +140,7 @@ class PlaceViewMaker {
 
   /// References and plain views.
   void Stand() {
-    StandingRobot robot(resolved_.robot, resolved_.scene, StandingOptions(scenario_), scenario_.seed);
+    StandingRobot robot(resolved_.robot, resolved_.scene, StandingOptions(resolved_), scenario_.seed);
     views_.renderer = robot.gl().info();
     Prepare(robot.calibration());
     for (size_t i = 0; i < views_.grid.size() && !stopped_; ++i) {
@@ -212,7 +214,7 @@ class PlaceViewMaker {
   void ChangeLight() {
     for (const LightChange change : options_.lights) {
       if (stopped_) return;
-      StandingRobot robot(resolved_.robot, Relit(resolved_.scene, change), StandingOptions(scenario_), scenario_.seed);
+      StandingRobot robot(resolved_.robot, Relit(resolved_.scene, change), StandingOptions(resolved_), scenario_.seed);
       Look(robot, LightName(change));
     }
   }
@@ -220,7 +222,7 @@ class PlaceViewMaker {
   void Walk() {
     for (const double exposure_ms : options_.walk_exposures_ms) {
       if (stopped_) return;
-      Simulation walk(resolved_.robot, resolved_.scene, WalkingOptions(scenario_, exposure_ms), scenario_.seed);
+      Simulation walk(resolved_.robot, resolved_.scene, WalkingOptions(resolved_, exposure_ms), scenario_.seed);
       RandomStream random(scenario_.seed, "localisation.walks");
       const int max_walks = 10 * options_.queries;
       int missing = options_.queries;
@@ -297,12 +299,12 @@ PlaceGrid GridOf(const LocalisationOptions& options) {
 
 void CheckPlaceViews(const ResolvedScenario& resolved) {
   const Scenario& scenario = resolved.scenario;
-  CheckSimulation(resolved.robot, resolved.scene, StandingOptions(scenario), scenario.seed);
-  CheckHeadScan(resolved.robot, StandingOptions(scenario));
+  CheckSimulation(resolved.robot, resolved.scene, StandingOptions(resolved), scenario.seed);
+  CheckHeadScan(resolved.robot, StandingOptions(resolved));
   RandomStream random(scenario.seed, "localisation.walks");
   if (!scenario.localisation->walk_exposures_ms.empty()) RandomWalk(*scenario.localisation, random);
   for (const double exposure_ms : scenario.localisation->walk_exposures_ms)
-    CheckSimulation(resolved.robot, resolved.scene, WalkingOptions(scenario, exposure_ms), scenario.seed);
+    CheckSimulation(resolved.robot, resolved.scene, WalkingOptions(resolved, exposure_ms), scenario.seed);
 }
 
 PlaceViews MakePlaceViews(const ResolvedScenario& resolved, const std::function<bool(int done, int all)>& advance) {

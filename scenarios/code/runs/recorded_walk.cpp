@@ -69,7 +69,7 @@ std::vector<FrameTruth> ReadRecordedTruth(const DatasetFolders& folders) {
 RecordedWalk ReadRecordedWalk(const DatasetFolders& folders) {
   const fs::path &sensors = folders.sensors, &truth = folders.truth;
   const DatasetFormat format = FormatOfDataset(sensors);
-  RecordedWalk walk{folders, ReadCalibration(CalibrationFileOf(sensors, format)), {}};
+  RecordedWalk walk{folders, ReadCalibration(RightCalibrationFileOf(folders, format)), {}};
   const FilesByStamp images = ReadImageTable(ListingOf(sensors, format, ImageStream::kLeft));
   const FilesByStamp sharp = ReadImageTable(TumListing(truth, "sharp"));
   const FilesByStamp depth = ReadImageTable(TumListing(truth, "depth")),

@@ -26,7 +26,7 @@ struct RecordedFrame : FrameTruth {
 
 struct RecordedWalk {
   DatasetFolders folders;
-  Calibration calibration;
+  Calibration calibration;  ///< The right one.
   std::vector<RecordedFrame> frames;
 };
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/calibration_file.h"
+#include "scenarios/code/runs/calibration_error.h"
 #include "scenarios/code/runs/filmed_walk.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/progress.h"
@@ -13,13 +15,17 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
   const Scenario& scenario = resolved.scenario;
   if (scenario.localisation)
     throw BadInput(scenario.name + ": `localisation` has no walk to record; it is done by `gaitcam run` alone");
-  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(scenario), scenario.seed);
-  DatasetWriter writer(folders, simulation.calibration(), options.format);
+  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved), scenario.seed);
+  const CalibrationError error = DrawCalibrationError(scenario.calibration_error, resolved.robot, scenario.seed);
+  const bool errs = !SaysNothing(scenario.calibration_error);
+  MiscalibratedSensors sensors(error, resolved.robot, scenario.seed);
+  DatasetWriter writer(folders, Miscalibrated(simulation.calibration(), error), options.format);
   const int64_t expected = simulation.ExpectedFrames();
   Progress bar("recording " + scenario.name, expected, options.quiet || options.progress);
   const TruthOptions wanted{options.truth_images, options.truth_images, options.truth_images};
   FilmedWalk walk(simulation, [&](int64_t) { return wanted; });
-  while (const std::optional<SimulatedFrame> frame = walk.Next(!options.interrupted())) {
+  while (std::optional<SimulatedFrame> frame = walk.Next(!options.interrupted())) {
+    if (errs) sensors.Apply(frame->observation);
     writer.Add(frame->observation, frame->truth);
     bar.Update(writer.frames());
     if (options.progress) options.progress(writer.frames(), expected);
@@ -34,6 +40,12 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
   outcome.renderer = simulation.gl().info();
   writer.Finish(fmt::format("{} at {:.3f} s", outcome.status, outcome.end_time_s));
   WriteTextFile(folders.truth / "scenario.yaml", resolved.ToYaml());
+  if (errs) {
+    WriteTextFile(TrueCalibrationFileOf(folders), CalibrationText(simulation.calibration()));
+    std::string drawn;
+    for (const auto& [name, value] : CalibrationErrorFacts(resolved)) drawn += name + ": " + value + "\n";
+    WriteTextFile(folders.truth / "calibration_error.yaml", drawn);
+  }
   return outcome;
 }
 

@@ -23,7 +23,9 @@ struct RecordOutcome {
   RendererInfo renderer;
 };
 
-/// Writes the two folders: what a SLAM system may see, and the truth beside it, the resolved scenario in it.
+/// Writes the two folders: what a SLAM system may see, and the truth beside it, the resolved scenario in it. Where the
+/// scenario has a calibration error, the sensors' folder holds the wrong calibration and readings, and the truth's the
+/// right calibration and what was drawn.
 /// @throws BadInput, MissingResource.
 RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFolders& folders,
                              const RecordOptions& options);

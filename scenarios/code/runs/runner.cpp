@@ -14,6 +14,7 @@
 #include "results/scoring/score_text.h"
 #include "results/scoring/statistics.h"
 #include "scenarios/code/files/versions.h"
+#include "scenarios/code/runs/calibration_error.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/place_views.h"
 #include "scenarios/code/runs/progress.h"
@@ -72,9 +73,11 @@ class Film {
 std::string Subtitle(const ResolvedScenario& resolved) {
   const Scenario& s = resolved.scenario;
   const std::string gait = resolved.robot.kind == Robot::Kind::kHumanoid ? s.gait.preset + " gait, " : "";
-  return fmt::format("{} in {}, {} path, {}{} x {} px at {:g} Hz, {:g} ms exposure, {}", resolved.robot.name,
-                     resolved.scene.name, ToWord(s.path.kind), gait, s.camera.width_px, s.camera.height_px,
-                     s.camera.rate_hz, s.camera.exposure.exposure_ms, s.system.name);
+  const std::string exposure =
+      s.camera.ExposesItself() ? "auto exposure" : fmt::format("{:g} ms exposure", s.camera.exposure.exposure_ms);
+  return fmt::format("{} in {}, {} path, {}, {}{} x {} px at {:g} Hz, {}, {}", resolved.robot.name, resolved.scene.name,
+                     ToWord(s.path.kind), SteeringText(resolved), gait, s.camera.width_px, s.camera.height_px,
+                     s.camera.rate_hz, exposure, s.system.name);
 }
 
 /// Over the frames' medians.
@@ -88,7 +91,7 @@ std::vector<Score> BlurScores(const std::vector<ReportFrame>& frames) {
 
 /// scores.json says how the run ended beside what the scores are: a fall is never silent.
 std::string ScoresFile(const ReportInput& report, const Estimate& estimate, const Simulation& simulation,
-                       uint64_t seed) {
+                       const ResolvedScenario& resolved) {
   const Scores* scores = report.scores;
   nlohmann::ordered_json json =
       scores ? nlohmann::ordered_json::parse(ScoresToJson(*scores)) : nlohmann::ordered_json();
@@ -97,8 +100,10 @@ std::string ScoresFile(const ReportInput& report, const Estimate& estimate, cons
   run["end_time_s"] = report.end_time_s;
   run["frames"] = report.frames.size();
   run["distance_m"] = simulation.distance_m();
-  run["seed"] = seed;
+  run["seed"] = resolved.scenario.seed;
+  run["steered_by"] = std::string(ToWord(SteeredBy(resolved)));
   WriteRenderer(simulation.gl().info(), run);
+  WriteDrawn(resolved, run);
   if (!estimate.failure.empty()) run["system_failed"] = estimate.failure;
   if (!scores) run["not_scored"] = report.no_scores_reason;
   json["run"] = run;
@@ -127,17 +132,33 @@ RunEnd EndOf(const Simulation& simulation) {
   return {};
 }
 
-SimulationOptions SimulationOptionsOf(const Scenario& scenario) {
+PathFeedback SteeredBy(const ResolvedScenario& resolved) {
+  const bool drives = resolved.robot.kind == Robot::Kind::kOmniBase;
+  return drives ? PathFeedback::kTruth : resolved.scenario.path.feedback;
+}
+
+std::string SteeringText(const ResolvedScenario& resolved) {
+  switch (SteeredBy(resolved)) {
+    case PathFeedback::kTruth: return "steered by its true pose";
+    case PathFeedback::kOdometry: return "steered by its own odometry";
+    case PathFeedback::kNone: return "not steered";
+  }
+  GAITCAM_ASSERT(false);
+  return {};
+}
+
+SimulationOptions SimulationOptionsOf(const ResolvedScenario& resolved) {
+  const Scenario& scenario = resolved.scenario;
   SimulationOptions options;
   options.gait = scenario.gait.options;
   options.path = scenario.path;
-  options.physics = scenario.physics;
+  options.physics = Varied(scenario.physics, scenario.variation);
   options.drive = scenario.drive;
   options.camera = scenario.camera;
   options.sensors = scenario.sensors;
   options.scan = scenario.scan.value_or(HeadScanOptions());
   options.duration_s = scenario.duration_s;
-  options.start = scenario.start;
+  options.start = resolved.start;
   return options;
 }
 
@@ -146,7 +167,7 @@ void CheckPlan(const ResolvedScenario& resolved) {
     CheckPlaceViews(resolved);
     return;
   }
-  const SimulationOptions options = SimulationOptionsOf(resolved.scenario);
+  const SimulationOptions options = SimulationOptionsOf(resolved);
   CheckSimulation(resolved.robot, resolved.scene, options, resolved.scenario.seed);
   // What somebody else's system will ask for is known when it asks.
   const bool may_scan = ActsOnBody(resolved.scenario) && !resolved.scenario.system.IsForeign();
@@ -157,8 +178,8 @@ void CheckPlan(const ResolvedScenario& resolved) {
 RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& options) {
   const Scenario& scenario = resolved.scenario;
   OutputFolder folder(options.out, "scores.json");
-  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(scenario), scenario.seed);
-  TrackingThread tracker(MakeTrackedSystem(scenario, simulation.calibration(), folder.path()), ActsOnBody(scenario));
+  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved), scenario.seed);
+  TrackingThread tracker(MakeTrackedSystem(resolved, simulation.calibration(), folder.path()), ActsOnBody(scenario));
   Film film(scenario.video, folder.path() / "walk.mp4");
   RunLog log;
   Progress progress(scenario.name, simulation.ExpectedFrames(), options.quiet);
@@ -191,6 +212,10 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   report.video_file = report.video_poster.empty() ? "" : "walk.mp4";
   report.resolved_scenario = resolved.ToYaml();
   report.facts = RunFacts(scenario.seed);
+  for (const auto& [name, value] : VariationFacts(resolved))
+    report.facts.emplace_back("variation drawn: " + name, value);
+  for (const auto& [name, value] : CalibrationErrorFacts(resolved))
+    report.facts.emplace_back("calibration error drawn: " + name, value);
   if (const std::string sandbox = SandboxOf(scenario.system); !sandbox.empty()) {
     report.facts.emplace_back("sandbox of the system", sandbox);
   }
@@ -203,7 +228,7 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   WriteTrajectory(folder.path() / "truth.txt", log.truth(), TrajectoryFormat::kTum);
   folder.WriteText("frames.csv", log.ToCsv(estimate));
   folder.WriteText("scenario.yaml", report.resolved_scenario);
-  folder.WriteText("scores.json", ScoresFile(report, estimate, simulation, scenario.seed));
+  folder.WriteText("scores.json", ScoresFile(report, estimate, simulation, resolved));
   WriteMaps(run, folder.path());
   WriteReport(folder.path() / "report.html", report);
   folder.Commit();

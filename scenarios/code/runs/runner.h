@@ -40,8 +40,13 @@ struct RunOutcome {
 /// @throws BadInput, MissingResource.
 RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& options);
 
-/// What the simulator needs to know of a scenario.
-SimulationOptions SimulationOptionsOf(const Scenario& scenario);
+/// What the simulator needs to know of a scenario: as its seed varies it.
+SimulationOptions SimulationOptionsOf(const ResolvedScenario& resolved);
+
+/// What corrects the robot's course; a wheeled base's drive holds it on its path by its true pose.
+PathFeedback SteeredBy(const ResolvedScenario& resolved);
+/// "steered by its true pose", "steered by its own odometry", "not steered".
+std::string SteeringText(const ResolvedScenario& resolved);
 
 /// How a simulation ended, or that it was left while walking.
 RunEnd EndOf(const Simulation& simulation);

@@ -1,17 +1,24 @@
 #include "scenarios/code/runs/tracked_system.h"
 
+#include "scenarios/code/runs/calibration_error.h"
 #include "scenarios/code/runs/handicap.h"
 #include "scenarios/code/systems/chosen_system.h"
 
 namespace gaitcam {
 
-std::unique_ptr<System> MakeTrackedSystem(const Scenario& scenario, const Calibration& calibration,
+std::unique_ptr<System> MakeTrackedSystem(const ResolvedScenario& resolved, const Calibration& calibration,
                                           const std::filesystem::path& folder) {
-  const SystemSetup setup{FalsifiedCalibration(calibration, scenario.handicap),
+  const Scenario& scenario = resolved.scenario;
+  const CalibrationError error = DrawCalibrationError(scenario.calibration_error, resolved.robot, scenario.seed);
+  const SystemSetup setup{FalsifiedCalibration(Miscalibrated(calibration, error), scenario.handicap),
                           scenario.system_seed.value_or(scenario.seed), scenario.system.settings};
   std::unique_ptr<System> system = MakeSystem(scenario.system, setup, folder);
-  if (!IsHandicap(scenario.handicap)) return system;
-  return std::make_unique<HandicappedSystem>(std::move(system), scenario.handicap, setup.seed);
+  if (IsHandicap(scenario.handicap)) {
+    system = std::make_unique<HandicappedSystem>(std::move(system), scenario.handicap, setup.seed);
+  }
+  if (SaysNothing(scenario.calibration_error)) return system;
+  return std::make_unique<MiscalibratedSystem>(std::move(system),
+                                               MiscalibratedSensors(error, resolved.robot, scenario.seed));
 }
 
 bool ActsOnBody(const Scenario& scenario) { return InfoOf(scenario.system).acts; }

@@ -9,10 +9,12 @@
 
 namespace gaitcam {
 
-/// @param calibration as the rig has it; a handicap may falsify what the system is told of it.
+/// The one place where a calibration and observations are handed to a system: what the scenario's calibration has wrong
+/// (calibration_error.h), and a handicap, come in between.
+/// @param calibration as the rig has it.
 /// @param folder where the captured output of somebody else's goes (system.log); it must exist.
 /// @throws BadInput, BadOption as MakeSystem does.
-std::unique_ptr<System> MakeTrackedSystem(const Scenario& scenario, const Calibration& calibration,
+std::unique_ptr<System> MakeTrackedSystem(const ResolvedScenario& resolved, const Calibration& calibration,
                                           const std::filesystem::path& folder);
 
 /// Whether that system commands the body: then its walk is its own, and no recorded one is for it.

@@ -68,8 +68,9 @@ class Obstacles {
 };
 
 TEST(Scene, AllShippedScenesAreListed) {
-  EXPECT_THAT(ListScenes(kModels), testing::ElementsAre("corridor", "floor_trials", "hall", "lab", "plain",
-                                                        "robocup_field", "tabletop", "twin_corridors"));
+  EXPECT_THAT(ListScenes(kModels),
+              testing::ElementsAre("corridor", "floor_trials", "hall", "lab", "lab_dim", "lab_plain", "plain",
+                                   "robocup_field", "tabletop", "twin_corridors"));
   EXPECT_TRUE(ListScenes("/no/such/folder").empty());
 }
 
@@ -386,6 +387,74 @@ TEST(Scene, AnUnknownNameComesWithTheNearestOne) {
     EXPECT_STREQ(e.what(), "scene \"labb\": no such scene; did you mean lab?");
   }
   EXPECT_THROW(ReadScene("somewhere/else.yaml", kModels), BadInput);
+}
+
+TEST(Scene, OneThatDerivesFromAnotherIsThatOneButForItsOwnKeys) {
+  const Scene lab = ReadScene("lab", kModels), dim = ReadScene("lab_dim", kModels);
+  EXPECT_EQ(dim.name, "lab_dim");
+  EXPECT_EQ(lab.light, 1);
+  EXPECT_EQ(dim.light, 0.1);
+  EXPECT_EQ(dim.start, lab.start);
+  ASSERT_EQ(dim.boxes.size(), lab.boxes.size());
+  for (size_t i = 0; i < lab.boxes.size(); ++i) EXPECT_EQ(dim.boxes[i].X_WB.translation, lab.boxes[i].X_WB.translation);
+  EXPECT_EQ(cv::norm(dim.textures[0].Bgr(), lab.textures[0].Bgr(), cv::NORM_INF), 0);
+  EXPECT_EQ(dim.bases, std::vector<std::filesystem::path>{kModels / "scenes/lab.yaml"});
+  const Scene plain = ReadScene("lab_plain", kModels);
+  const auto posters = [](const Scene& scene) {
+    return std::count_if(scene.boxes.begin(), scene.boxes.end(),
+                         [](const SceneBox& b) { return b.name.starts_with("poster"); });
+  };
+  EXPECT_EQ(posters(lab), 37);
+  EXPECT_EQ(posters(plain), 5);
+}
+
+TEST(Scene, ABaseLiesBesideTheFileOrIsShippedAndMistakesAreNamedWhereTheyStand) {
+  const TemporaryFolder folder;
+  folder.Write("room.yaml", "floor: {extent: [[-2, -1], [2, 1]], texture: carpet, friction: 0.5}\nlights: [{}]\n");
+  const Scene scene = SceneOfText("base: room.yaml\nfloor: {friction: 0.3}\nlights: []\n", folder);
+  EXPECT_EQ(scene.floor_friction, 0.3);
+  EXPECT_EQ(scene.floor_max.x(), 2);
+  EXPECT_TRUE(scene.lights.empty());
+  EXPECT_THAT(SceneError("base: labb\n"),
+              testing::AllOf(testing::HasSubstr("scene_test.yaml:1"), testing::HasSubstr("lab")));
+  EXPECT_THAT(SceneError("base: no.yaml\n"), testing::HasSubstr("scene_test.yaml:1"));
+  EXPECT_THAT(SceneError("base: scene_test.yaml\n"), testing::HasSubstr("no end"));
+  EXPECT_THAT(SceneError("base: lab\nlihgt: 2\n"),
+              testing::AllOf(testing::HasSubstr("scene_test.yaml:2"), testing::HasSubstr("light")));
+  folder.Write("bad.yaml", "floor: {extent: [[-2, -1], [2, 1]], texture: carpet}\nambient: 7\n");
+  try {
+    SceneOfText("base: bad.yaml\n", folder);
+    FAIL();
+  } catch (const BadInput& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("bad.yaml:2"));
+  }
+}
+
+TEST(Scene, ARepeatFindsOtherPicturesAndFurnitureWithinItsLimits) {
+  const Scene lab = ReadScene("lab", kModels);
+  SceneVariation variation;
+  EXPECT_EQ(ReadVariedScene("lab", kModels, variation).boxes[30].X_WB.translation, lab.boxes[30].X_WB.translation);
+  variation.seed = 5;
+  variation.light = 0.5;
+  variation.furniture_m = 0.03;
+  variation.furniture_deg = 3;
+  variation.draw = 9;
+  const Scene varied = ReadVariedScene("lab", kModels, variation);
+  EXPECT_EQ(varied.light, 0.5);
+  EXPECT_GT(cv::norm(varied.textures[0].Bgr(), lab.textures[0].Bgr(), cv::NORM_INF), 0);
+  ASSERT_EQ(varied.boxes.size(), lab.boxes.size());
+  int moved = 0;
+  for (size_t i = 0; i < lab.boxes.size(); ++i) {
+    const std::string& name = lab.boxes[i].name;
+    const Eigen::Vector2d by = (varied.boxes[i].X_WB.translation - lab.boxes[i].X_WB.translation).head<2>();
+    if (name.starts_with("wall")) {
+      EXPECT_EQ(by.norm(), 0) << name;
+    } else if (name.starts_with("carton") || name.starts_with("bin")) {  // one part in the middle: it only shifts
+      EXPECT_LE(by.cwiseAbs().maxCoeff(), 0.06) << name;
+      moved += by.norm() > 0;
+    }
+  }
+  EXPECT_GT(moved, 10);
 }
 
 }  // namespace

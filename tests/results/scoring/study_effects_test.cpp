@@ -21,9 +21,10 @@ const StudyEffect& Find(const std::vector<StudyEffect>& effects, size_t axis, si
 }
 
 TEST(StudyEffects, AKnownShiftIsFoundWithItsSizeAndDirection) {
-  const MadeUpStudy study;
+  const MadeUpStudy study(16);
   const StudyEffect& effect = Find(study.effects, 0, 3, "ate_sim3_rmse_m", std::pair<size_t, size_t>(2, 1));
-  EXPECT_EQ(effect.pairs, 18u);  // three gaits, six seeds
+  EXPECT_EQ(effect.pairs, 48u);  // three gaits, sixteen seeds
+  EXPECT_EQ(effect.walks, 16u);
   EXPECT_EQ(effect.unpaired, 0u);
   EXPECT_LT(effect.p_holm, 0.01);
   EXPECT_EQ(effect.Verdict(0.95), -1);
@@ -81,6 +82,7 @@ TEST(StudyEffects, PairsInWhichOneRunWasNotScoredAreCountedNotGuessed) {
   const StudyEffect& effect = Find(study.effects, 0, 3, "ate_sim3_rmse_m", std::pair<size_t, size_t>(2, 0));
   EXPECT_EQ(effect.pairs, 15u);
   EXPECT_EQ(effect.unpaired, 3u);  // odd seeds of the brisk walk
+  EXPECT_EQ(effect.walks, 6u);     // the other gaits' pairs are there of each seed
 }
 
 TEST(StudyEffects, PairingBySeedFindsAShiftThatIsSmallAgainstTheSpreadOverSeeds) {
@@ -101,6 +103,45 @@ TEST(StudyEffects, PairingBySeedFindsAShiftThatIsSmallAgainstTheSpreadOverSeeds)
   ASSERT_EQ(effects.size(), 1u);
   EXPECT_NEAR(effects[0].p, 2.0 / 1024, 1e-12);  // all ten differences of one sign: 2 * 2^-10
   EXPECT_NEAR(effects[0].shift, 0.01 * 1.55, 1e-9);
+}
+
+/// Ten other levels that all see the same walk: what differs by chance is the seed's, not the run's.
+StudyTable SharedWalks(size_t seeds, RandomStream& random) {
+  StudyTable table;
+  table.axes = {{"system", {"a", "b"}, 0}, {"camera.exposure_ms", std::vector<std::string>(10, "0"), 0}};
+  table.metrics = {{"ate_rmse_m", 0, "m", "", Better::kLower}};
+  table.seeds = seeds;
+  std::vector<double> of_seed;
+  for (size_t i = 0; i < 2 * seeds; ++i) of_seed.push_back(random.Normal());
+  for (size_t system = 0; system < 2; ++system) {
+    for (size_t exposure = 0; exposure < 10; ++exposure) {
+      for (uint64_t seed = 0; seed < seeds; ++seed) {
+        StudyRun run;
+        run.levels = {system, exposure};
+        run.seed = seed;
+        run.scores["ate_rmse_m"] = 3 + of_seed[2 * seed + system] + 0.1 * random.Normal();
+        table.runs.push_back(run);
+      }
+    }
+  }
+  return table;
+}
+
+// Two systems of the same accuracy: where the runs of a walk counted one by one, half of all studies would be "sure".
+TEST(StudyEffects, RunsThatShareAWalkCountOnce) {
+  RandomStream random(4, "clusters");
+  constexpr int kStudies = 400;
+  int sure = 0, held = 0;
+  for (int i = 0; i < kStudies; ++i) {
+    const std::vector<StudyEffect> effects = RankEffects(SharedWalks(12, random), {}, std::nullopt);
+    const StudyEffect& systems = Find(effects, 0, 1, "ate_rmse_m");
+    ASSERT_EQ(systems.pairs, 120u);
+    ASSERT_EQ(systems.walks, 12u);
+    sure += systems.p < 0.05;
+    held += systems.ends.low <= 0 && 0 <= systems.ends.high;
+  }
+  EXPECT_LT(sure, 0.05 * kStudies + 13);  // 5 % of 400, and three standard errors
+  EXPECT_GT(held, 0.95 * kStudies - 13);
 }
 
 TEST(StudyEffects, HolmCorrectsForEveryComparisonAndRanksTheSurestFirst) {
@@ -162,6 +203,29 @@ TEST(StudySummary, MediansOverSeedsWithTheirInterval) {
                                        "0,slow,sift_vo,coverage_ratio,,6,6,1,1,1\n"));
   EXPECT_THAT(csv, testing::HasSubstr("\n33,brisk,sift_vo,ate_sim3_rmse_m,m,6,3,"));
   EXPECT_EQ(csv, SummaryCsv(study.table, {}));  // its bootstrap is seeded
+}
+
+// The median's interval over ten runs each of a few walks must hold the true median about as often as it says; that of
+// 120 runs taken for independent ones would hold it in less than half of all cases.
+TEST(StudySummary, AnIntervalOverRunsThatShareWalksIsThatOfTheWalks) {
+  RandomStream random(6, "clusters");
+  constexpr int kStudies = 300;
+  int held = 0;
+  for (int i = 0; i < kStudies; ++i) {
+    const StudyTable table = SharedWalks(12, random);
+    std::vector<const StudyRun*> runs;
+    for (const StudyRun& run : table.runs) {
+      if (run.levels[0] == 0) runs.push_back(&run);
+    }
+    StudyStatistics quick;
+    quick.resamples = 300;
+    const MedianRow row = SummarizeRuns(runs, "ate_rmse_m", quick, "clusters");
+    EXPECT_EQ(row.n, 120u);
+    EXPECT_EQ(row.walks, 12u);
+    held += row.interval.low <= 3 && 3 <= row.interval.high;
+  }
+  // A percentile interval of few values is somewhat narrow; the standard error of the count is 1.5 % of all.
+  EXPECT_GT(held, 0.86 * kStudies);
 }
 
 }  // namespace

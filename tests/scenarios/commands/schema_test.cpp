@@ -93,6 +93,15 @@ TEST_F(SchemaTest, AResolvedScenarioWithEveryDefaultWrittenOutIsGood) {
     EXPECT_THAT(ValidateText("scenario", "camera: {renderer: '" + renderer + "'}\n"), HasSubstr(": good")) << renderer;
 }
 
+TEST_F(SchemaTest, BlocksWithPresetsAreWordsOrMaps) {
+  for (const std::string text : {"calibration_error: bench", "calibration_error: {preset: bench, pitch_deg: 1}",
+                                 "variation: repeat", "variation: {light_ratio: 0.5}",
+                                 "camera: {preset: cmos, jpeg: {quality: 80}, auto_exposure: {enabled: false}}"})
+    EXPECT_THAT(ValidateText("scenario", text + "\n"), HasSubstr(": good")) << text;
+  EXPECT_THAT(ValidateText("study", "{base: a.yaml, axes: {calibration_error.focal_pct: [0, 1], variation: [none]}}\n"),
+              HasSubstr(": good"));
+}
+
 TEST_F(SchemaTest, PlantedErrorsAreBad) {
   const std::pair<const char*, const char*> planted[] = {
       {"scenario", "gait: {perid_s: 0.3}"},
@@ -104,6 +113,12 @@ TEST_F(SchemaTest, PlantedErrorsAreBad) {
       {"scenario", "camera: {renderer: fast}"},
       {"scenario", "camera: {renderer: 'device:-1'}"},
       {"scenario", "start: [1, 2]"},
+      {"scenario", "calibration_error: benhc"},
+      {"scenario", "calibration_error: {focal_pct: -1}"},
+      {"scenario", "variation: true"},
+      {"scenario", "variation: {start: 1}"},
+      {"scenario", "camera: {preset: coms}"},
+      {"scenario", "camera: {jpeg: {quality: 0}}"},
       {"scenario", "system: sift_v0"},
       {"scenario", "system: {ratio: 0.8}"},
       {"scenario", "system: {name: sift_vo, ration: 0.8}"},

@@ -65,7 +65,7 @@ TEST_F(ActingSystemTest, IsRefusedARobotThatCannotLookAllAround) {
 }
 
 TEST_F(ActingSystemTest, ScanKeysAreReadAndLeftOutWhereTheyAreNotGiven) {
-  EXPECT_EQ(SimulationOptionsOf(Scenario().scenario).scan.speed_rad_s, 0.9);
+  EXPECT_EQ(SimulationOptionsOf(Scenario()).scan.speed_rad_s, 0.9);
   EXPECT_THROW(Scenario({"scan.speed_rad_s=99"}), BadInput);
   ResolvedScenario plain = Scenario();
   plain.scenario.scan.reset();

@@ -26,7 +26,7 @@ struct Film {
   Film(const ResolvedScenario& resolved, const Scene& scene) {
     TruthOptions truth;
     truth.sharp = truth.blur = false;
-    Simulation simulation(resolved.robot, scene, SimulationOptionsOf(resolved.scenario), resolved.scenario.seed);
+    Simulation simulation(resolved.robot, scene, SimulationOptionsOf(resolved), resolved.scenario.seed);
     while (const auto frame = simulation.Next(truth)) {
       depth.push_back(frame->truth.depth);
       X_WB.push_back(*frame->truth.X_WB);

@@ -91,6 +91,18 @@ TEST(ImageSensor, AutoGainKeepsBrightnessAndAmplifiesNoise) {
   EXPECT_NEAR(tenth.variance, expected + 1 / 12.0, 0.03 * expected);
 }
 
+TEST(ImageSensor, ADimSceneIsAShortExposureToGainAndNoise) {
+  ExposureOptions options = LinearSensor();
+  const ImageSensor dim(options, false, 0.1);
+  options.exposure_ms = options.reference_exposure_ms / 10;
+  const ImageSensor brief(options, false);
+  EXPECT_DOUBLE_EQ(dim.gain(), brief.gain());
+  EXPECT_DOUBLE_EQ(dim.white_e(), brief.white_e());
+  options = LinearSensor();
+  options.gain = GainMode::kFixed;
+  EXPECT_NEAR(Measure(ImageSensor(options, false, 0.1).DevelopNoiseless(FlatLight(0.8))).mean, 0.08 * 255, 0.5);
+}
+
 TEST(ImageSensor, FixedGainLetsBrightnessFollowTheExposure) {
   ExposureOptions options = LinearSensor();
   options.gain = GainMode::kFixed;
