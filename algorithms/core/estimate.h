@@ -13,9 +13,9 @@
 namespace gaitcam {
 
 enum class TrackingStatus {
-  kInitializing,  ///< Not enough seen yet for a first pose.
-  kTracking,      ///< `pose` is set.
-  kLost,          ///< Had a pose before, has none now.
+  kInitializing,  ///< No map yet, or another one is being started.
+  kTracking,      ///< `pose` is set: the frame's own image supports it.
+  kLost,          ///< The frame does not fit what is known; a pose said of it would be frozen or extrapolated.
 };
 
 /// "initializing", "tracking", "lost".
@@ -25,7 +25,10 @@ std::string ToString(TrackingStatus status);
 struct FrameEstimate {
   int64_t stamp_ns = 0;
   TrackingStatus status = TrackingStatus::kInitializing;
-  std::optional<Pose> pose;  ///< X_WC of the left camera, present exactly when tracking.
+  std::optional<Pose> pose;  ///< X_WC of the left camera, present exactly when tracking. A pose is a measurement.
+  /// X_WC as the system expects it, where the frame's image supports no pose: frozen, extrapolated, or of the rotation
+  /// alone. For whoever must act in the meantime; never beside `pose`, and never scored as one.
+  std::optional<Pose> predicted;
   /// Of the pose, where the system knows it: of tau = (rho, phi) in X_WC Exp(tau), translation first (se3.h), so given
   /// in the camera's frame; (unit of the pose)^2, unit rad, rad^2. Never without a pose.
   std::optional<Matrix6d> covariance;

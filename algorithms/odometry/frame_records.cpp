@@ -12,6 +12,7 @@ void FrameRecords::Add(const FrameEstimate& answer, const KeyframeMap& map) {
 void FrameRecords::SetPose(size_t frame, const LandmarkPose& pose, const KeyframeMap& map) {
   Record& record = records_[frame];
   record.answer.status = TrackingStatus::kTracking;
+  record.answer.predicted.reset();
   record.answer.inliers = int(pose.inliers.size());
   Attach(record, pose.X_WC, map);
 }
@@ -26,11 +27,22 @@ void FrameRecords::MoveRestart(size_t from, size_t to) {
   if (records_[from].answer.restarted) std::swap(records_[from].answer.restarted, records_[to].answer.restarted);
 }
 
-std::vector<FrameEstimate> FrameRecords::Finish(const KeyframeMap& map) const {
+std::vector<FrameEstimate> FrameRecords::Finish(const KeyframeMap& map, const std::vector<double>& scales) const {
+  const std::vector<Pose>& keyframes = map.keyframes();
+  const auto scale = [&](size_t keyframe) { return scales.empty() ? 1 : scales[keyframe]; };
+  std::vector<Pose> scaled = keyframes;
+  Eigen::Vector3d before = Eigen::Vector3d::Zero(), at = Eigen::Vector3d::Zero();  // in the map's unit, and scaled
+  for (size_t k = 0; k < scaled.size(); ++k) {
+    at += scale(k == 0 ? 0 : k - 1) * (keyframes[k].translation - before);
+    before = keyframes[k].translation;
+    scaled[k].translation = at;
+  }
   std::vector<FrameEstimate> frames;
   for (const Record& record : records_) {
     frames.push_back(record.answer);
-    if (record.keyframe >= 0) frames.back().pose = map.keyframes()[size_t(record.keyframe)] * record.X_KC;
+    if (record.keyframe < 0) continue;
+    const size_t k = size_t(record.keyframe);
+    frames.back().pose = scaled[k] * Pose(record.X_KC.rotation, scale(k) * record.X_KC.translation);
   }
   return frames;
 }

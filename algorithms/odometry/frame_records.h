@@ -28,7 +28,8 @@ class FrameRecords {
   size_t size() const { return records_.size(); }
 
   /// The final estimate, by the map's keyframes as they are now.
-  std::vector<FrameEstimate> Finish(const KeyframeMap& map) const;
+  /// @param scales of every keyframe, what the motion from there to the next is multiplied by; empty: nothing is.
+  std::vector<FrameEstimate> Finish(const KeyframeMap& map, const std::vector<double>& scales) const;
 
  private:
   struct Record {

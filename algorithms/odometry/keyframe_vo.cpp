@@ -6,9 +6,11 @@
 
 #include "algorithms/core/random.h"
 #include "algorithms/core/se3.h"
+#include "algorithms/geometry/up_direction.h"
 #include "algorithms/odometry/floor_prior.h"
 #include "algorithms/odometry/frame_records.h"
 #include "algorithms/odometry/keyframe_map.h"
+#include "algorithms/odometry/metric_scale.h"
 
 namespace gaitcam {
 namespace {
@@ -22,6 +24,9 @@ KeyframeMapOptions MapOptions(const KeyframeVoOptions& o) {
   options.outlier_sigmas = o.localizer.outlier_sigmas + kSlack;
   return options;
 }
+
+/// Short, so that the gyroscope's unknown bias tilts little; what accelerations do to it, the mean over frames removes.
+constexpr double kGravityTime_s = 0.5;
 
 }  // namespace
 
@@ -37,18 +42,21 @@ class KeyframeVo::Tracker {
         initializer_(camera_, options.initializer),
         localizer_(camera_.fx, options.initializer.matching.ratio, options.localizer),
         policy_(options.policy, camera_.fx, options.localizer.min_inliers),
-        map_(MapOptions(options)) {}
+        map_(MapOptions(options)) {
+    if (options.metric && calibration.standing) metric_.emplace(calibration);
+  }
 
   FrameEstimate Track(const Observation& observation) {
+    if (metric_) metric_->up_C.Add(observation.imu);
     const FrameEstimate answer = Answer(observation);
     records_.Add(answer, map_);
     if (HasMap() && !waiting_.empty()) BeginBacklog(observation.stamp_ns);
     LocalizeOneOfBacklog();
-    return answer;
+    return metric_ ? InMetres(answer) : answer;
   }
   std::vector<FrameEstimate> Finish() {
     LocalizeBacklog();
-    return records_.Finish(map_);
+    return records_.Finish(map_, metric_ ? metric_->scale.Smoothed() : std::vector<double>());
   }
 
  private:
@@ -73,6 +81,24 @@ class KeyframeVo::Tracker {
     double median_depth = 1, expected_inliers = 0;
   };
 
+  /// What makes metres of the map's unit, where it is known how high the camera stands.
+  struct Metric {
+    explicit Metric(const Calibration& calibration)
+        : up_C(calibration.imu, calibration.standing->up_C, kGravityTime_s), scale(calibration.standing->height_m) {}
+
+    UpDirection up_C;
+    Carried carried;  ///< Over the latest frames ...
+    int frames = 0;   ///< ... of so many.
+    MetricScale scale;
+
+    double factor = 1;      ///< By which the last pose's motion was multiplied.
+    bool is_known = false;  ///< It was measured, in the present map.
+    int held_back = 0;      ///< Frames of the present map whose poses were not handed over.
+    bool restarts = false;  ///< One of those began the map.
+    /// The last position handed over, in the map's unit and in metres.
+    Eigen::Vector3d at = Eigen::Vector3d::Zero(), at_m = Eigen::Vector3d::Zero();
+  };
+
   bool HasMap() const { return map_.LatestKeyframe() >= 0; }
   KeyframeMap::DepthPriorOf DepthPriors() const {
     return [this](const Pose& X_WC, const Eigen::Vector2d& xy) { return floor_.DepthAt(X_WC, xy); };
@@ -82,7 +108,7 @@ class KeyframeVo::Tracker {
   }
 
   FrameEstimate Answer(const Observation& observation);
-  bool Initialize(FrameView& view);
+  bool Initialize(FrameView& view, std::optional<Pose>& predicted);
   Pose PredictPose(const Observation& observation) const;
   bool Localize(FrameView& view, const Observation& observation);
   void Extend(FrameView& view, int64_t stamp_ns);
@@ -95,6 +121,8 @@ class KeyframeVo::Tracker {
   void LocalizeWaiting();
   void LocalizeMissed();
   void GiveUpMap();
+  void FollowGravity(const Pose& X_WC);
+  FrameEstimate InMetres(FrameEstimate answer);
 
   Calibration calibration_;
   CameraModel camera_;
@@ -108,9 +136,11 @@ class KeyframeVo::Tracker {
   KeyframeMap map_;
   FloorPrior floor_;
   FrameRecords records_;
+  std::optional<Metric> metric_;
 
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   std::optional<StampedPose> last_;     ///< The last known pose, over all maps.
+  Pose expected_;                       ///< The same, or a later prediction of a frame without a map.
   double median_depth_ = 1;             ///< In the last keyframe; the unit when a map is initialised.
   int lost_frames_ = 0;                 ///< Frames in a row that could not be localised in the map.
   bool is_restart_due_ = false;         ///< A map was given up: the next pose is in another.
@@ -129,11 +159,12 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   answer.features = view.features.size();
   inliers_.clear();
   const bool had_map = HasMap();
-  const bool found = had_map ? Localize(view, observation) : Initialize(view);
+  const bool found = had_map ? Localize(view, observation) : Initialize(view, answer.predicted);
   answer.inliers = int(inliers_.size());
-  if (!found || !HasMap()) Postpone(view, answer.stamp_ns);
   if (!found) {
-    answer.status = last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
+    answer.status = had_map ? TrackingStatus::kLost : TrackingStatus::kInitializing;
+    if (had_map) answer.predicted = PredictPose(observation);
+    Postpone(view, answer.stamp_ns);
     if (had_map && ++lost_frames_ > options_.max_lost_frames) GiveUpMap();
     return answer;
   }
@@ -146,21 +177,24 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   }
   answer.pose = view.X_WC;
   last_ = {answer.stamp_ns, view.X_WC};
+  expected_ = view.X_WC;
   return answer;
 }
 
 /// Without a map. The unit of a new map is such that its median depth is the last map's, 1 at first.
-/// @returns whether the frame has a pose
-bool KeyframeVo::Tracker::Initialize(FrameView& view) {
+/// @param predicted set to the rotation alone, where that is asked for and there is no map yet
+/// @returns whether there is a map now, and the frame has a pose in it
+bool KeyframeVo::Tracker::Initialize(FrameView& view, std::optional<Pose>& predicted) {
   const MapInitializer::Result result = initializer_.Add(view, random_);
   if (result == MapInitializer::Result::kReference) {
     waiting_.clear();
-    X_WR_ = last_ ? last_->pose : Pose();
+    X_WR_ = expected_;
   }
   if (result != MapInitializer::Result::kInitialized) {
-    if (!options_.rotation_before_map || !initializer_.rotation()) return false;
-    view.X_WC = X_WR_ * Pose(*initializer_.rotation(), {0, 0, 0});
-    return true;
+    if (options_.rotation_before_map && initializer_.rotation()) {
+      predicted = expected_ = X_WR_ * Pose(*initializer_.rotation(), {0, 0, 0});
+    }
+    return false;
   }
   const InitialPair& pair = initializer_.pair();
   const double unit = median_depth_ / pair.median_depth;
@@ -168,6 +202,7 @@ bool KeyframeVo::Tracker::Initialize(FrameView& view) {
   reference.X_WC = X_WR_;
   view.X_WC = X_WR_ * Pose(pair.X_AB.rotation, unit * pair.X_AB.translation);
   map_.AddKeyframe(reference, {}, median_depth_, DepthPriors());  // landmark i is the reference's feature i
+  if (metric_) metric_->scale.Add({}, true);
   for (size_t i = 0; i < pair.matches.size(); ++i) {
     if (pair.depths[i]) map_.SetDepth(pair.matches[i].landmark, 1 / (unit * *pair.depths[i]));
   }
@@ -194,6 +229,7 @@ void KeyframeVo::Tracker::Extend(FrameView& view, int64_t stamp_ns) {
     AddKeyframe(view);
   } else {
     map_.Refresh(view, inliers_);
+    if (metric_) FollowGravity(view.X_WC);
   }
   QueueMissed(view, stamp_ns);
 }
@@ -218,6 +254,9 @@ void KeyframeVo::Tracker::AddKeyframe(FrameView& view) {
   median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
   if (options_.use_floor) floor_.Update(map_, view.X_WC, random_);
   policy_.OnKeyframe(int(inliers_.size()));
+  if (!metric_) return;
+  FollowGravity(view.X_WC);
+  metric_->scale.Add(MeasureCarriedHeight(map_, metric_->carried), false);
 }
 
 void KeyframeVo::Tracker::Postpone(const FrameView& view, int64_t stamp_ns) {
@@ -288,6 +327,52 @@ void KeyframeVo::Tracker::GiveUpMap() {
   missed_.clear();
   initializer_.Reset();
   is_restart_due_ = true;
+  if (!metric_) return;
+  metric_->frames = metric_->held_back = 0;
+  metric_->is_known = false;
+}
+
+/// In W the vertical stands still: what accelerations and the gyroscope's bias do to it cancels out over some steps.
+void KeyframeVo::Tracker::FollowGravity(const Pose& X_WC) {
+  constexpr int kFrames = 60;
+  metric_->frames = std::min(metric_->frames + 1, kFrames);
+  const double gain = 1.0 / metric_->frames;
+  Carried& carried = metric_->carried;
+  carried.up_W = ((1 - gain) * carried.up_W + gain * (X_WC.rotation * metric_->up_C.up_C())).normalized();
+  carried.at_W = (1 - gain) * carried.at_W + gain * X_WC.translation;
+}
+
+/// A map whose unit is not known yet is still being started, for a while: with no floor in view it never will be.
+FrameEstimate KeyframeVo::Tracker::InMetres(FrameEstimate answer) {
+  constexpr int kPatience_frames = 60;
+  Metric& metric = *metric_;
+  const std::optional<double> factor = HasMap() ? metric.scale.latest() : std::nullopt;
+  const bool hold_back = answer.pose && !factor && metric.held_back < kPatience_frames;
+  if (answer.pose && !hold_back) {
+    answer.restarted |= metric.restarts || (factor && !metric.is_known && metric.held_back == kPatience_frames);
+    metric.restarts = false;
+    metric.is_known = factor.has_value();
+    metric.factor = factor.value_or(metric.factor);
+  }
+  const auto in_metres = [&](const Pose& X_WC) {
+    return Pose(X_WC.rotation, metric.at_m + metric.factor * (X_WC.translation - metric.at));
+  };
+  if (hold_back) {
+    ++metric.held_back;
+    metric.restarts |= answer.restarted;
+    answer.status = TrackingStatus::kInitializing;
+    answer.restarted = false;
+    answer.predicted = Pose(answer.pose->rotation, metric.at_m);
+    answer.pose.reset();
+  } else if (answer.pose) {
+    const Eigen::Vector3d position = answer.pose->translation;
+    answer.pose = in_metres(*answer.pose);
+    metric.at = position;
+    metric.at_m = answer.pose->translation;
+  } else if (answer.predicted) {
+    answer.predicted = in_metres(*answer.predicted);
+  }
+  return answer;
 }
 
 KeyframeVoOptions KeyframeVoOptions::WithFeature(const std::string& feature, double sensitivity) {

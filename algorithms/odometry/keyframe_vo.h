@@ -7,13 +7,16 @@
 /// - KeyframePolicy: which frame becomes a keyframe;
 /// - KeyframeMap: landmarks, keyframes, windowed bundle adjustment;
 /// - FloorPrior: depths of what lies on the floor, which keeps the scale;
+/// - MetricScale: the map's unit in metres, by the camera's height over the floor;
 /// - FrameRecords: the final estimate, in which frames move along with their keyframes.
 ///
 /// What it adds to the thesis's odometry (two_view_vo.h): a walking camera at 30 Hz moves by millimetres between
 /// frames, which leaves the direction of motion to noise; landmarks that live over many keyframes have a baseline.
 ///
 /// No loop closure, and no motion model but a camera that stays about where it was. The world frame W is the reference
-/// frame's of the first map; its unit is the median depth there.
+/// frame's of the first map. The map's own unit is the median depth there. Where the calibration says how high the
+/// camera stands, poses are handed over in metres nevertheless: each motion is multiplied by what is known of the unit
+/// by then, so that a better estimate of it makes no jump.
 
 #pragma once
 
@@ -49,7 +52,8 @@ struct KeyframeVoOptions {
   int memory = 20;             ///< Keyframes after which a landmark that was not seen again is removed.
   bool use_floor = true;       ///< FloorPrior.
   bool use_imu = false;        ///< Predict each frame's rotation by integrating the gyroscope.
-  /// Frames before a map get poses as if the camera only turned; the final estimate replaces those it can.
+  bool metric = true;          ///< MetricScale, where the calibration says how high the camera stands.
+  /// Frames before a map get predictions as if the camera only turned.
   bool rotation_before_map = false;
   int max_lost_frames = 15;  ///< Frames without a pose after which the map is given up and another initialised.
 
@@ -70,7 +74,9 @@ void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
   visit("memory", o.memory, Between(1, 100000), "keyframes until an unseen landmark is removed");
   visit("use_floor", o.use_floor, Nested(), "depths and scale by the camera's height over the floor");
   visit("use_imu", o.use_imu, Nested(), "predict each frame's rotation by the gyroscope");
-  visit("rotation_before_map", o.rotation_before_map, Nested(), "frames before a map get poses without translation");
+  visit("metric", o.metric, Nested(), "poses in metres by the height at which the camera stands, where that is known");
+  visit("rotation_before_map", o.rotation_before_map, Nested(),
+        "frames before a map get predictions that turn without moving");
   visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "frames without a pose until a new map");
 }
 
@@ -80,7 +86,8 @@ class KeyframeVo {
   KeyframeVo(const Calibration& calibration, const KeyframeVoOptions& options, uint64_t seed);
   ~KeyframeVo();
 
-  /// Answers one frame. An image without texture, or unlike all before it, is an answer without a pose, never an error.
+  /// Answers one frame. An image without texture, or unlike all before it, is an answer without a pose, never an error:
+  /// "initializing" while there is no map, "lost" where there is one, then with the last known pose as `predicted`.
   /// `restarted` marks the first pose in a new map: that map starts at the last known pose, with the last known median
   /// depth as its unit, which are assumptions. It marks, too, a pose beyond what `usual_speed` makes likely, accepted
   /// because many landmarks agree.

@@ -64,7 +64,8 @@ FrameEstimate TwoViewVo::Loop::Track(const Observation& observation) {
     has_pose_ = true;
     StoreDepths(*reconstruction, *scale, view.xy.size());
   } else {
-    answer.status = has_pose_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
+    answer.status = is_first_pair ? TrackingStatus::kInitializing : TrackingStatus::kLost;
+    if (has_pose_) answer.predicted = X_WP_;
     depths_.clear();
   }
   previous_ = std::move(view);

@@ -47,7 +47,8 @@ Entry MobifVoPlus() {
   options.rotation_before_map = true;
   options.window = 12;
   options.adjust_iterations = 20;
-  return Preset("mobif_vo_plus", "the odometry of mobif_vo, with rotations from the first frame on and a longer window",
+  return Preset("mobif_vo_plus",
+                "the odometry of mobif_vo, with a longer window, and rotations predicted before there is a map",
                 options);
 }
 

@@ -185,7 +185,10 @@ TEST(KeyframeVo, AfterTooManyLostFramesANewMapIsInitialisedAndMarked) {
     const FrameEstimate& frame = estimate.frames[i];
     restarts += frame.restarted;
     EXPECT_TRUE(!frame.restarted || i > 24) << i;
-    EXPECT_TRUE(i < 19 || i > 24 || frame.status == TrackingStatus::kLost) << i;
+    if (i < 19 || i > 24) continue;
+    EXPECT_EQ(frame.status, i < 22 ? TrackingStatus::kLost : TrackingStatus::kInitializing)
+        << i << ": the map is given up with the third of them";
+    EXPECT_EQ(frame.predicted.has_value(), i < 22) << i;
   }
   EXPECT_EQ(restarts, 1);
   EXPECT_EQ(estimate.frames.back().status, TrackingStatus::kTracking);
@@ -219,16 +222,21 @@ KeyframeVoOptions WithRotationBeforeMap() {
   return options;
 }
 
-TEST(KeyframeVo, RotationBeforeTheMapGivesEveryFrameAPose) {
+TEST(KeyframeVo, RotationBeforeTheMapIsAPredictionThatTheFinalEstimateReplaces) {
   // Half the speed of the other film's 40 frames, and longer.
   const Film film = FilmPath(Room(), kCamera, 60, SidewaysPose, 5, 2);
   KeyframeVo vo(OneCamera(), WithRotationBeforeMap(), 1);
   const Estimate live = TrackAll(vo, film.frames);
   ExpectSane(live);
-  EXPECT_EQ(Count(live, TrackingStatus::kTracking), 60);
+  const int waited = Count(live, TrackingStatus::kInitializing);
+  EXPECT_GT(waited, 5) << "the first frame has no baseline";
+  EXPECT_EQ(Count(live, TrackingStatus::kTracking), 60 - waited);
+  for (const FrameEstimate& frame : live.frames) EXPECT_TRUE(frame.pose || frame.predicted);
   Estimate final_estimate;
   final_estimate.frames = vo.Finish();
   ASSERT_EQ(final_estimate.frames.size(), live.frames.size());
+  ExpectSane(final_estimate);
+  EXPECT_EQ(Count(final_estimate, TrackingStatus::kTracking), 60);
   EXPECT_LT(AlignedError(final_estimate, film.truth).rmse_m, 0.01)
       << "2 % of 0.5 m, the frames before the map included";
 }
@@ -238,12 +246,13 @@ TEST(KeyframeVo, RotationBeforeTheMapFollowsATurnOnTheSpot) {
   const Film film = FilmPath(Room(), kCamera, 25, turn, 10, 2);
   KeyframeVo vo(OneCamera(), WithRotationBeforeMap(), 1);
   const Estimate estimate = TrackAll(vo, film.frames);
-  ASSERT_EQ(Count(estimate, TrackingStatus::kTracking), 25);
+  ASSERT_EQ(Count(estimate, TrackingStatus::kInitializing), 25);
   const Pose first = PoseAt(film.truth, estimate.frames[0].stamp_ns).value();
   for (const FrameEstimate& frame : estimate.frames) {
     const Pose moved = first.Inverse() * *PoseAt(film.truth, frame.stamp_ns);
-    EXPECT_LT(RotationAngle(frame.pose->rotation, moved.rotation), 0.004) << "a pixel is 0.005 rad";
-    EXPECT_LT(frame.pose->translation.norm(), 0.01) << "nothing was seen to move";
+    ASSERT_TRUE(frame.predicted);
+    EXPECT_LT(RotationAngle(frame.predicted->rotation, moved.rotation), 0.004) << "a pixel is 0.005 rad";
+    EXPECT_EQ(frame.predicted->translation.norm(), 0) << "nothing was seen to move";
   }
 }
 
@@ -255,16 +264,51 @@ TEST(KeyframeVo, WithRotationBeforeTheMapTheRestartIsMarkedOnce) {
   KeyframeVo vo(OneCamera(), options, 1);
   const Estimate estimate = TrackAll(vo, frames);
   ExpectSane(estimate);
-  for (size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(estimate.frames[i].restarted, i == 35) << i;
+  int restarts = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    restarts += estimate.frames[i].restarted;
+    EXPECT_TRUE(!estimate.frames[i].restarted || i >= 35) << i;
+    EXPECT_TRUE(i < 35 || estimate.frames[i].pose || estimate.frames[i].predicted)
+        << i << ": after the black frames the rotation is known at once";
+  }
+  EXPECT_EQ(restarts, 1);
   EXPECT_EQ(estimate.frames.back().status, TrackingStatus::kTracking);
 }
 
 TEST(KeyframeVo, RotationBeforeTheMapNeedsSomethingToSee) {
   KeyframeVo vo(OneCamera(), WithRotationBeforeMap(), 1);
   for (int i = 0; i < 4; ++i) {
-    EXPECT_FALSE(vo.Track(Filled(SidewaysFilm().frames[0], i % 2 ? 255 : 0)).pose);
+    const FrameEstimate answer = vo.Track(Filled(SidewaysFilm().frames[0], i % 2 ? 255 : 0));
+    EXPECT_FALSE(answer.pose || answer.predicted);
   }
   for (const FrameEstimate& frame : vo.Finish()) EXPECT_FALSE(frame.pose);
+}
+
+/// The camera of the sideways film, 0.5 m over the floor.
+Calibration StandingCalibration() {
+  Calibration calibration = OneCamera();
+  calibration.standing = StandingCamera{0.5, SidewaysPose(0).R().transpose() * Eigen::Vector3d::UnitZ()};
+  return calibration;
+}
+
+TEST(KeyframeVo, PosesAreInMetresWhereTheCamerasHeightIsKnown) {
+  KeyframeVo vo(StandingCalibration(), Fast(), 1);
+  const Estimate live = TrackAll(vo, SidewaysFilm().frames);
+  ExpectSane(live);
+  EXPECT_GE(Count(live, TrackingStatus::kTracking), 15);
+  for (const FrameEstimate& frame : live.frames) EXPECT_FALSE(frame.restarted);
+  EXPECT_NEAR(AlignedError(live, SidewaysFilm().truth).scale, 1, 0.04) << "two or three keyframes have measured it";
+  Estimate final_estimate;
+  final_estimate.frames = vo.Finish();
+  EXPECT_NEAR(AlignedError(final_estimate, SidewaysFilm().truth).scale, 1, 0.04);
+  EXPECT_LT(AlignedError(final_estimate, SidewaysFilm().truth).rmse_m, 0.006);
+}
+
+TEST(KeyframeVo, MetricCanBeSwitchedOff) {
+  KeyframeVoOptions options = Fast();
+  options.metric = false;
+  KeyframeVo without(StandingCalibration(), options, 1), unknown(OneCamera(), Fast(), 1);
+  ExpectSameBits(TrackAll(without, SidewaysFilm().frames), TrackAll(unknown, SidewaysFilm().frames));
 }
 
 TEST(KeyframeVo, NoiseInitialisesNoMap) {

@@ -74,13 +74,15 @@ inline int Count(const Estimate& estimate, TrackingStatus status) {
   return count;
 }
 
-// No NaN, a pose exactly when tracking, and no jump that is not marked: 25 cm/s are 8 mm per frame, in units of 2 to 4
-// m.
+// No NaN, a pose exactly when tracking, a prediction only without one, and no jump that is not marked: 25 cm/s are 8 mm
+// per frame, in units of 2 to 4 m.
 inline void ExpectSane(const Estimate& estimate) {
   std::optional<Pose> last;
   for (size_t i = 0; i < estimate.frames.size(); ++i) {
     const FrameEstimate& frame = estimate.frames[i];
     ASSERT_EQ(frame.pose.has_value(), frame.status == TrackingStatus::kTracking) << i;
+    ASSERT_FALSE(frame.pose && frame.predicted) << i;
+    ASSERT_TRUE(!frame.predicted || frame.predicted->Matrix().allFinite()) << i;
     if (!frame.pose) continue;
     ASSERT_TRUE(frame.pose->Matrix().allFinite()) << i;
     if (last && !frame.restarted) {

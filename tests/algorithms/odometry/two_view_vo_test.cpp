@@ -48,9 +48,12 @@ TEST(TwoViewVo, AFailedPairIsLostAndTheLoopStartsOverAtTheLastPose) {
   TwoViewVo vo(kCamera, WithSift(), 1);
   const Estimate estimate = TrackAll(vo, frames);
   for (const size_t i : {10u, 11u}) {  // the pairs of frame 10 with 9 and with 11
-    EXPECT_EQ(estimate.frames[i].status, TrackingStatus::kLost) << i;
     EXPECT_FALSE(estimate.frames[i].pose) << i;
+    ASSERT_TRUE(estimate.frames[i].predicted) << i;
+    EXPECT_EQ(estimate.frames[i].predicted->translation, estimate.frames[9].pose->translation) << i;
   }
+  EXPECT_EQ(estimate.frames[10].status, TrackingStatus::kLost);
+  EXPECT_EQ(estimate.frames[11].status, TrackingStatus::kInitializing) << "the first pair of another start";
   for (size_t i = 1; i < frames.size(); ++i) EXPECT_EQ(estimate.frames[i].restarted, i == 12) << i;
   ASSERT_TRUE(estimate.frames[9].pose && estimate.frames[12].pose);
   EXPECT_NEAR((estimate.frames[12].pose->translation - estimate.frames[9].pose->translation).norm(), 1, 1e-9)
