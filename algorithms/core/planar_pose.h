@@ -49,10 +49,18 @@ class PlanarMotion {
 /// @pre the camera does not look straight up or down.
 PlanarPose BelowCamera(const Pose& X_WC);
 
+/// Ad of a planar motion: X_AB Exp(tau) = Exp(Ad tau) X_AB for tau = (x, y, yaw), as se3.h has it in space.
+Eigen::Matrix3d PlanarAdjoint(const PlanarPose& X_AB);
+
 /// The part of a camera pose's uncertainty that lies in the floor.
 /// @param covariance of X_WC, in the tangent of se3.h.
 /// @returns that of the position's x and y (m) and of the rotation about the vertical (rad), in the frame below the
 /// camera.
 Eigen::Matrix3d PlanarCovariance(const Pose& X_WC, const Matrix6d& covariance);
+
+/// The other way round: of a camera pose, given that part and how well height and tilt are known.
+/// @param height_sigma m. @param tilt_sigma rad, of a rotation about each horizontal axis.
+/// @returns that of X_WC, in the tangent of se3.h.
+Matrix6d SpatialCovariance(const Pose& X_WC, const Eigen::Matrix3d& planar, double height_sigma, double tilt_sigma);
 
 }  // namespace gaitcam

@@ -36,6 +36,29 @@ struct Difference {
 
 }  // namespace
 
+/// To first order, the error of an edge is tau_to - Ad(X_to^-1 X_from) tau_from.
+std::vector<Eigen::Matrix3d> PlanarGraphCovariances(const std::vector<PlanarPose>& solved,
+                                                    const std::vector<PlanarEdge>& edges) {
+  const Eigen::Index n = Eigen::Index(solved.size());
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (const PlanarEdge& edge : edges) {
+    const Eigen::Matrix3d W = edge.covariance.inverse();
+    const Eigen::Matrix3d J = -PlanarAdjoint(solved[size_t(edge.to)].Inverse() * solved[size_t(edge.from)]);
+    const Eigen::Index from = 3 * edge.from, to = 3 * edge.to;
+    information.block<3, 3>(from, from) += J.transpose() * W * J;
+    information.block<3, 3>(to, to) += W;
+    information.block<3, 3>(from, to) += J.transpose() * W;
+    information.block<3, 3>(to, from) += W * J;
+  }
+  std::vector<Eigen::Matrix3d> covariances(solved.size(), Eigen::Matrix3d::Zero());
+  if (n < 2) return covariances;
+  const Eigen::Index free = 3 * (n - 1);
+  const Eigen::MatrixXd covariance =
+      information.bottomRightCorner(free, free).ldlt().solve(Eigen::MatrixXd::Identity(free, free));
+  for (Eigen::Index i = 1; i < n; ++i) covariances[size_t(i)] = covariance.block<3, 3>(3 * (i - 1), 3 * (i - 1));
+  return covariances;
+}
+
 std::vector<PlanarPose> SolvePlanarGraph(const std::vector<PlanarPose>& start, const std::vector<PlanarEdge>& edges) {
   std::vector<std::array<double, 3>> poses;
   for (const PlanarPose& pose : start) poses.push_back({pose.position.x(), pose.position.y(), pose.heading});

@@ -21,4 +21,10 @@ struct PlanarEdge {
 /// @param start initial values; headings need not be wrapped, full turns are kept. @returns as many poses.
 std::vector<PlanarPose> SolvePlanarGraph(const std::vector<PlanarPose>& start, const std::vector<PlanarEdge>& edges);
 
+/// Of each pose relative to the first one, in its own frame, at the solution of the same graph: marginals of the least
+/// squares problem, loop closures taken as true.
+/// @pre every pose is connected with the first one.
+std::vector<Eigen::Matrix3d> PlanarGraphCovariances(const std::vector<PlanarPose>& solved,
+                                                    const std::vector<PlanarEdge>& edges);
+
 }  // namespace gaitcam

@@ -23,21 +23,20 @@ FloorLoop LoopOf(int keyframe, const KnownFloor& nearest, const PlanarPose& expe
   return {keyframe, nearest.step, nearest.pose.Inverse() * matched, match.correlation, match.covariance};
 }
 
-/// The tracker's covariance, inflated, plus a lower bound of drift.
-Eigen::Matrix3d MotionCovariance(const FloorFilterOptions& options, double moved_m, const Eigen::Matrix3d& tracked) {
-  const double min_m = options.drift_ratio * moved_m + 1e-5;
-  const double min_rad = options.drift_deg_per_m * kRadPerDeg * moved_m + 1e-5;
-  Eigen::Matrix3d Q = std::pow(options.inflation, 2) * tracked;
-  Q.diagonal() += Eigen::Vector3d(min_m, min_m, min_rad).cwiseAbs2();
-  return Q;
-}
-
 }  // namespace
 
 FloorFilter::FloorFilter(const FloorFilterOptions& options, uint64_t seed)
     : options_(options), random_(seed, "floor_filter") {
   CheckFields(options, "floor_filter.");
   particles_.assign(size_t(options.particles), {});
+}
+
+Eigen::Matrix3d FloorFilter::MotionCovariance(double moved_m, const Eigen::Matrix3d& tracked) const {
+  const double min_m = options_.drift_ratio * moved_m + 1e-5;
+  const double min_rad = options_.drift_deg_per_m * kRadPerDeg * moved_m + 1e-5;
+  Eigen::Matrix3d Q = std::pow(options_.inflation, 2) * tracked;
+  Q.diagonal() += Eigen::Vector3d(min_m, min_m, min_rad).cwiseAbs2();
+  return Q;
 }
 
 /// Steps of the present submap that lie at least loop_m back.
@@ -130,7 +129,7 @@ void FloorFilter::Move(Particle& particle, const Proposal& proposal) {
 void FloorFilter::Step(const PlanarPose& motion, const Eigen::Matrix3d& covariance, FloorPatch patch) {
   const double moved_m = motion.position.norm();
   path_length_m_.push_back((path_length_m_.empty() ? 0 : path_length_m_.back()) + moved_m);
-  const Eigen::Matrix3d Q = MotionCovariance(options_, moved_m, covariance);
+  const Eigen::Matrix3d Q = MotionCovariance(moved_m, covariance);
   const int step = int(patches_.size());
   const bool guessed = std::sqrt(Q.topLeftCorner<2, 2>().diagonal().maxCoeff()) > options_.joint_m;
   if (guessed) submaps_.push_back({step, Q});
@@ -307,14 +306,23 @@ Eigen::Matrix3d FloorFilter::Covariance() const {
   return covariance;
 }
 
-std::vector<PlanarPose> FloorFilter::SmoothPath() const {
-  const std::vector<PlanarPose> start = BestPath();
-  if (start.size() < 2) return start;
+/// All tracked motions and the best particle's loop closures.
+std::vector<PlanarEdge> FloorFilter::Edges() const {
   std::vector<PlanarEdge> edges(motions_.begin() + 1, motions_.end());
   for (const FloorLoop& loop : BestLoops()) {
     edges.push_back({loop.earlier, loop.keyframe, loop.motion, loop.covariance, true});
   }
-  return SolvePlanarGraph(start, edges);
+  return edges;
+}
+
+std::vector<PlanarPose> FloorFilter::SmoothPath() const {
+  const std::vector<PlanarPose> start = BestPath();
+  return start.size() < 2 ? start : SolvePlanarGraph(start, Edges());
+}
+
+std::vector<Eigen::Matrix3d> FloorFilter::SmoothCovariances(const std::vector<PlanarPose>& smooth) const {
+  return smooth.size() < 2 ? std::vector<Eigen::Matrix3d>(smooth.size(), Eigen::Matrix3d::Zero())
+                           : PlanarGraphCovariances(smooth, Edges());
 }
 
 FloorPicture FloorFilter::Map(const std::vector<PlanarPose>& path) const {

@@ -104,7 +104,12 @@ class FloorFilter {
   std::vector<PlanarPose> SmoothPath() const;
   /// Of the last pose: mean over the particles, and covariance about it.
   PlanarPose Mean() const;
+  /// Of x, y (m) and yaw (rad), in W; that of submaps whose pose is not known is part of it.
   Eigen::Matrix3d Covariance() const;
+  /// Of each pose of SmoothPath(), in its own frame, by the same graph.
+  std::vector<Eigen::Matrix3d> SmoothCovariances(const std::vector<PlanarPose>& smooth) const;
+  /// Of a motion over `moved_m` that the tracker knows to `tracked`: inflated, plus a lower bound of drift.
+  Eigen::Matrix3d MotionCovariance(double moved_m, const Eigen::Matrix3d& tracked) const;
   /// The map along a trajectory of one pose per step.
   FloorPicture Map(const std::vector<PlanarPose>& path) const;
 
@@ -143,6 +148,7 @@ class FloorFilter {
     int begin = 0, end = 0;
   };
 
+  std::vector<PlanarEdge> Edges() const;
   StepRange MappedSteps() const;
   std::vector<KnownFloor> FindKnown(const Particle& particle, const PlanarPose& expected, const FloorPatch& patch,
                                     const StepRange& steps) const;

@@ -21,6 +21,9 @@ struct FloorSlamOptions {
   FloorTrackerOptions tracker;
   FloorFilterOptions filter;
   bool use_map = true;  ///< False: dead reckoning by the tracker; the map is drawn but closes no loop.
+  /// How well the calibration knows the camera's height, relative: it is the scale of all, so ways are known no better.
+  double height_sigma_ratio = 0.003;
+  double tilt_sigma_deg = 0.1;  ///< How well the vertical is known, about each horizontal axis.
 };
 
 template <class Visitor>
@@ -28,6 +31,10 @@ void VisitFields(Visitor& visit, FloorSlamOptions& o) {
   visit("tracker", o.tracker, Nested(), "frame by frame");
   visit("filter", o.filter, Nested(), "map and trajectory");
   visit("use_map", o.use_map, Nested(), "false: tracking alone, the map corrects nothing");
+  visit("height_sigma_ratio", o.height_sigma_ratio, Between(1e-6, 1.0),
+        "standard deviation of the standing height and so of the scale, for the covariance");
+  visit("tilt_sigma_deg", o.tilt_sigma_deg, Between(1e-4, 90.0),
+        "standard deviation of the vertical, for the covariance");
 }
 
 class FloorSlam {
@@ -36,6 +43,11 @@ class FloorSlam {
   FloorSlam(const Calibration& calibration, const FloorSlamOptions& options, uint64_t seed);
 
   /// World W: z = 0 is the floor, z up, the origin below the first camera, x along its view; metres.
+  ///
+  /// Covariances are of the pose in W, so relative to where the first camera stood: position in the floor and heading
+  /// by the particles' spread (of Finish(): by the pose graph), what was tracked since the last keyframe, and the
+  /// scale; height and tilt as the options have them, tilt worse for some seconds after a loss. While a submap hangs
+  /// loose they say so. There is none with `use_map: false`: no particles, no spread.
   FrameEstimate Track(const Observation& observation);
   /// Every frame on the smoothed trajectory, corrections interpolated between keyframes.
   std::vector<FrameEstimate> Finish();
@@ -47,10 +59,14 @@ class FloorSlam {
  private:
   struct Record {
     FrameEstimate estimate;
-    Pose X_tracked;        ///< By the tracker.
-    bool aligned = false;  ///< With a keyframe ...
-    int keyframe = 0;      ///< ... of this FloorKeyframe::id.
+    Pose X_tracked;                                            ///< By the tracker.
+    bool aligned = false;                                      ///< With a keyframe ...
+    int keyframe = 0;                                          ///< ... of this FloorKeyframe::id.
+    Eigen::Matrix3d since_keyframe = Eigen::Matrix3d::Zero();  ///< FloorTrack::covariance.
+    double since_loss_s = 0;                                   ///< Infinite where nothing was lost.
   };
+  std::optional<Matrix6d> LiveCovariance(const FloorTrack& track, const Pose& X_WC, double since_loss_s) const;
+  Matrix6d Spatial(const Pose& X_WC, const Eigen::Matrix3d& planar, double since_loss_s) const;
   void AddKeyframe(const FloorKeyframe& keyframe);
 
   FloorSlamOptions options_;
@@ -58,7 +74,11 @@ class FloorSlam {
   FloorFilter filter_;
   std::vector<Record> records_;
   bool started_ = false;
-  std::vector<PlanarPose> keyframes_;  ///< By the tracker.
+  std::optional<int64_t> found_again_ns_;  ///< The first frame aligned after the latest loss.
+  std::vector<PlanarPose> keyframes_;      ///< By the tracker.
+  /// Below the tracker's present keyframe, and the covariance of its motion since the last one of these.
+  PlanarPose present_;
+  Eigen::Matrix3d present_covariance_ = Eigen::Matrix3d::Zero();
   std::vector<int64_t> keyframe_ns_;
   std::map<int, size_t> keyframe_of_id_;  ///< Index of the retired ones.
 };

@@ -68,5 +68,25 @@ TEST(PlanarMotion, MovesPointsAsItsPoseDoesToTheBit) {
     EXPECT_EQ(motion * Eigen::Vector2d(x, 1 - x), pose * Eigen::Vector2d(x, 1 - x));
 }
 
+TEST(SpatialCovariance, HasThePlanarPartItWasGiven) {
+  const Pose X_WC(RotZ(0.7) * RotY(0.4) * RotX(-1.2), Eigen::Vector3d(1, 2, 0.3));
+  Eigen::Matrix3d planar;
+  planar << 4, 1, 0.5, 1, 3, -0.2, 0.5, -0.2, 2;
+  const Matrix6d covariance = SpatialCovariance(X_WC, planar, 0.1, 0.02);
+  EXPECT_LT((PlanarCovariance(X_WC, covariance) - planar).norm(), 1e-12);
+  const Eigen::Vector3d up_C = X_WC.R().transpose() * Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR(up_C.dot(covariance.topLeftCorner<3, 3>() * up_C), 0.01, 1e-12) << "height";
+  EXPECT_NEAR((covariance.bottomRightCorner<3, 3>().trace()), 2 + 2 * 0.0004, 1e-12)
+      << "heading, and tilt about two axes";
+}
+
+TEST(PlanarAdjoint, CarriesAPerturbationToTheOtherSide) {
+  const PlanarPose X({1, -2}, 0.8);
+  const Eigen::Vector3d tau(1e-7, -2e-7, 3e-7), other = PlanarAdjoint(X) * tau;
+  const PlanarPose right = X * PlanarPose(tau.head<2>(), tau[2]), left = PlanarPose(other.head<2>(), other[2]) * X;
+  EXPECT_LT((right.position - left.position).norm(), 1e-12) << "of first order: what is left is of the order of tau^2";
+  EXPECT_NEAR(right.heading, left.heading, 1e-15);
+}
+
 }  // namespace
 }  // namespace gaitcam

@@ -69,5 +69,27 @@ TEST(PlanarGraph, APlaceTakenForAnotherDoesLittleHarm) {
   EXPECT_LT(Worst_m(SolvePlanarGraph(Circle(), edges), Circle()), 0.02);
 }
 
+TEST(PlanarGraphCovariances, AddUpAlongAChainAndShrinkWithALoop) {
+  const Eigen::Matrix3d step = Eigen::Vector3d(0.01, 0.02, 0.001).cwiseAbs2().asDiagonal();
+  std::vector<PlanarPose> poses = {{}};
+  std::vector<PlanarEdge> edges;
+  for (int i = 0; i < 4; ++i) {
+    const PlanarPose motion({1, 0.1 * i}, 0.5);
+    poses.push_back(poses.back() * motion);
+    edges.push_back({i, i + 1, motion, step, false});
+  }
+  const std::vector<Eigen::Matrix3d> chain = PlanarGraphCovariances(poses, edges);
+  Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_LT((chain[size_t(i)] - expected).norm(), 1e-12) << i;
+    const Eigen::Matrix3d J = PlanarAdjoint(edges[size_t(i)].motion.Inverse());
+    expected = J * expected * J.transpose() + step;
+  }
+  edges.push_back({0, 4, poses[4], step, true});
+  const std::vector<Eigen::Matrix3d> loop = PlanarGraphCovariances(poses, edges);
+  EXPECT_LT(loop[4].trace(), step.trace());
+  EXPECT_LT(loop[2].trace(), chain[2].trace());
+}
+
 }  // namespace
 }  // namespace gaitcam

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
+
 #include "tests/algorithms/planes/drawn_floor.h"
 
 namespace gaitcam {
@@ -22,7 +24,7 @@ FloorSlamOptions Options() {
 }
 
 struct Walked {
-  std::vector<FrameEstimate> frames;
+  std::vector<FrameEstimate> live, frames;
   FloorPicture floor;
   size_t loops = 0;
 };
@@ -30,8 +32,9 @@ struct Walked {
 Walked Walk(const FloorSlamOptions& options, uint64_t seed, int frames) {
   const DrawnFloor floor(11);
   FloorSlam slam(DrawnCalibration(), options, seed);
-  for (int i = 0; i < frames; ++i) slam.Track(Observe(Draw(floor, {Round(i)}, 2, uint64_t(i)), i));
   Walked walked;
+  for (int i = 0; i < frames; ++i)
+    walked.live.push_back(slam.Track(Observe(Draw(floor, {Round(i)}, 2, uint64_t(i)), i)));
   walked.frames = slam.Finish();
   walked.floor = slam.Floor();
   walked.loops = slam.filter().BestLoops().size();
@@ -70,6 +73,56 @@ TEST(FloorSlam, WalksRoundAndMapsTheFloorAsItIs) {
   EXPECT_GT(correlation, 0.95);
 }
 
+/// Mean of the normalised squared error over frames, per degree of freedom: 1 is consistent.
+double MeanNees(const std::vector<FrameEstimate>& frames) {
+  double sum = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Vector6d error = Minus(InItsWorld(int(i)), frames[i].pose.value());
+    sum += error.dot(frames[i].covariance.value().ldlt().solve(error)) / 6;
+  }
+  return sum / double(frames.size());
+}
+
+TEST(FloorSlam, SaysHowWellItKnowsItsPose) {
+  const Walked walked = Walk(Options(), 1, 120);
+  for (const std::vector<FrameEstimate>& frames : {walked.live, walked.frames}) {
+    for (const FrameEstimate& frame : frames) {
+      ASSERT_TRUE(frame.pose && frame.covariance);
+      const Matrix6d& covariance = *frame.covariance;
+      EXPECT_LT((covariance - covariance.transpose()).norm(), 1e-12);
+      EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(covariance).eigenvalues().minCoeff(), 0);
+    }
+    const auto variance = [](const FrameEstimate& frame) { return frame.covariance->diagonal().head(3).sum(); };
+    EXPECT_GT(variance(frames.back()), variance(frames.front())) << "it grows until a loop is closed";
+    // One short walk of an ideal camera: errors of its frames are not independent.
+    EXPECT_LT(MeanNees(frames), 3);
+    EXPECT_GT(MeanNees(frames), 0.02);
+  }
+}
+
+TEST(FloorSlam, AfterALossItSaysThatItsWayIsAGuess) {
+  const DrawnFloor floor(11);
+  FloorSlam slam(DrawnCalibration(), Options(), 1);
+  const cv::Mat plain(SmallCamera().height_px, SmallCamera().width_px, CV_8UC1, cv::Scalar(128));
+  const auto position_sigma = [](const FrameEstimate& frame) {
+    return std::sqrt(frame.covariance.value().topLeftCorner<3, 3>().trace());
+  };
+  double before_m = 0;
+  std::vector<FrameEstimate> after;
+  for (int i = 0; i < 110; ++i) {
+    const bool blind = i >= 40 && i < 70;
+    const FrameEstimate frame = slam.Track(Observe(blind ? plain : Draw(floor, {Round(i)}, 2, uint64_t(i)), i));
+    EXPECT_FALSE(blind && frame.pose) << i;
+    EXPECT_FALSE(frame.pose && frame.predicted) << i;
+    if (i < 40) before_m = position_sigma(frame);
+    if (blind) EXPECT_TRUE(frame.predicted) << i;
+    if (i >= 70 && frame.pose) after.push_back(frame);
+  }
+  ASSERT_FALSE(after.empty());
+  EXPECT_LT(before_m, 0.02);
+  for (const FrameEstimate& frame : after) EXPECT_GT(position_sigma(frame), 0.1) << "a second at walking speed";
+}
+
 TEST(FloorSlam, TheSameSeedGivesTheSameBits) {
   constexpr int kFrames = 40;
   const Walked first = Walk(Options(), 4, kFrames), again = Walk(Options(), 4, kFrames);
@@ -85,6 +138,7 @@ TEST(FloorSlam, WithoutTheMapItTracksAndDrawsButClosesNoLoop) {
   options.use_map = false;
   const Walked walked = Walk(options, 1, 60);
   EXPECT_EQ(walked.loops, 0U);
+  for (const FrameEstimate& frame : walked.frames) EXPECT_FALSE(frame.covariance) << "nothing is known of it";
   EXPECT_FALSE(walked.floor.empty());
 }
 
