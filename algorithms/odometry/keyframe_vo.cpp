@@ -91,10 +91,11 @@ class KeyframeVo::Tracker {
     int frames = 0;   ///< ... of so many.
     MetricScale scale;
 
-    double factor = 1;      ///< By which the last pose's motion was multiplied.
-    bool is_known = false;  ///< It was measured, in the present map.
-    int held_back = 0;      ///< Frames of the present map whose poses were not handed over.
-    bool restarts = false;  ///< One of those began the map.
+    double factor = 1;                     ///< By which the last pose's motion was multiplied.
+    bool is_known = false;                 ///< It was measured, in the present map.
+    std::optional<int64_t> held_since_ns;  ///< The first frame of the present map whose pose was not handed over.
+    bool out_of_patience = false;          ///< Poses are handed over whatever their unit.
+    bool restarts = false;                 ///< One of those began the map.
     /// The last position handed over, in the map's unit and in metres.
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), at_m = Eigen::Vector3d::Zero();
   };
@@ -328,8 +329,9 @@ void KeyframeVo::Tracker::GiveUpMap() {
   initializer_.Reset();
   is_restart_due_ = true;
   if (!metric_) return;
-  metric_->frames = metric_->held_back = 0;
-  metric_->is_known = false;
+  metric_->frames = 0;
+  metric_->held_since_ns.reset();
+  metric_->out_of_patience = metric_->is_known = false;
 }
 
 /// In W the vertical stands still: what accelerations and the gyroscope's bias do to it cancels out over some steps.
@@ -344,12 +346,14 @@ void KeyframeVo::Tracker::FollowGravity(const Pose& X_WC) {
 
 /// A map whose unit is not known yet is still being started, for a while: with no floor in view it never will be.
 FrameEstimate KeyframeVo::Tracker::InMetres(FrameEstimate answer) {
-  constexpr int kPatience_frames = 60;
+  constexpr int64_t kPatience_ns = 2'000'000'000;
   Metric& metric = *metric_;
   const std::optional<double> factor = HasMap() ? metric.scale.latest() : std::nullopt;
-  const bool hold_back = answer.pose && !factor && metric.held_back < kPatience_frames;
+  if (answer.pose && !metric.held_since_ns) metric.held_since_ns = answer.stamp_ns;
+  metric.out_of_patience |= answer.pose && answer.stamp_ns - *metric.held_since_ns >= kPatience_ns;
+  const bool hold_back = answer.pose && !factor && !metric.out_of_patience;
   if (answer.pose && !hold_back) {
-    answer.restarted |= metric.restarts || (factor && !metric.is_known && metric.held_back == kPatience_frames);
+    answer.restarted |= metric.restarts || (factor && !metric.is_known && metric.out_of_patience);
     metric.restarts = false;
     metric.is_known = factor.has_value();
     metric.factor = factor.value_or(metric.factor);
@@ -358,7 +362,6 @@ FrameEstimate KeyframeVo::Tracker::InMetres(FrameEstimate answer) {
     return Pose(X_WC.rotation, metric.at_m + metric.factor * (X_WC.translation - metric.at));
   };
   if (hold_back) {
-    ++metric.held_back;
     metric.restarts |= answer.restarted;
     answer.status = TrackingStatus::kInitializing;
     answer.restarted = false;

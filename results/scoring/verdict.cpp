@@ -109,11 +109,11 @@ std::pair<bool, bool> TestShift(const std::vector<double>& worse, const GateRule
 
 /// A seed's worst loss in the baseline and its re-runs.
 double WorstOf(const MeasuredRun& run, double value, const GatedMetric& metric) {
-  double worst = LossOf(value, metric.better);
+  double worst = LossOf(value, metric);
   const auto history = run.history.find(metric.name);
   if (history == run.history.end()) return worst;
   for (const double other : history->second) {
-    if (std::isfinite(other)) worst = std::max(worst, LossOf(other, metric.better));
+    if (std::isfinite(other)) worst = std::max(worst, LossOf(other, metric));
   }
   return worst;
 }
@@ -124,8 +124,9 @@ void JudgeSeeds(const Pairs& pairs, const GateRules& rules, MetricVerdict& verdi
   if (rules.seed_margins <= 0 || verdict.margin <= 0) return;
   for (size_t i = 0; i < pairs.now.size(); ++i) {
     const double worst = WorstOf(*pairs.runs[i], pairs.before[i], verdict.metric);
-    const double now = LossOf(pairs.now[i], verdict.metric.better);
-    if (!(now - worst > rules.seed_margins * verdict.margin)) continue;
+    const double now = LossOf(pairs.now[i], verdict.metric);
+    const double back = verdict.metric.change ? LossOf(pairs.before[i], verdict.metric) - now : 0;
+    if (!(std::max(now - worst, back) > rules.seed_margins * verdict.margin)) continue;
     if (verdict.far_seeds++ > 0 || verdict.outcome == Outcome::kRegression) continue;
     verdict.outcome = Outcome::kRegression;
     verdict.reason = fmt::format("seed {}: {:.4g}, before {:.4g}; worse than all its history by more than {:g} margins",
@@ -142,8 +143,11 @@ MetricVerdict JudgePairs(const GatedMetric& metric, const Pairs& pairs, const Ga
   verdict.left_out = pairs.left_out;
   std::vector<double> losses, worse;
   for (size_t i = 0; i < pairs.before.size(); ++i) {
-    losses.push_back(LossOf(pairs.before[i], metric.better));
-    worse.push_back(LossOf(pairs.now[i], metric.better) - losses.back());
+    losses.push_back(LossOf(pairs.before[i], metric));
+    worse.push_back(LossOf(pairs.now[i], metric) - losses.back());
+  }
+  if (metric.change && HodgesLehmann(worse) < 0) {
+    for (double& by : worse) by = -by;
   }
   const double relative = losses.empty() ? 0 : metric.margin_pct / 100 * std::abs(MedianOf(losses));
   verdict.margin = std::max(metric.margin, relative);
@@ -214,6 +218,8 @@ double LossOf(double value, Better better) {
   GAITCAM_ASSERT(better != Better::kNeither);
   return value;
 }
+
+double LossOf(double value, const GatedMetric& metric) { return metric.change ? value : LossOf(value, metric.better); }
 
 EntryVerdict JudgeEntry(const MeasuredEntry& before, const MeasuredEntry& now, const std::vector<GatedMetric>& metrics,
                         const GateRules& rules) {

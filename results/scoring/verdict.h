@@ -47,6 +47,8 @@ struct GatedMetric {
   Better better = Better::kLower;  ///< Not kNeither.
   double margin = 0;               ///< In the metric's own unit.
   double margin_pct = 0;           ///< Of the baseline's median (of its distance from 1 or 0, if that is what counts).
+  bool change = false;             ///< A change in either direction is a regression: of what has an error of its own
+                                   ///< per seed, as a scale has whose camera height is known to 2 %.
 };
 
 /// Wilcoxon's signed-rank test, with the Hodges-Lehmann shift; or a bootstrap of the median.
@@ -127,6 +129,8 @@ int FewestPairs(double alpha);
 
 /// What is minimized: the value, its negative, or its distance from 1 or 0.
 double LossOf(double value, Better better);
+/// The same of a gated metric; if any change counts, the value itself.
+double LossOf(double value, const GatedMetric& metric);
 
 /// @param metrics without coverage_ratio, which is judged always.
 /// Runs are paired by seed, in whatever order they come; seeds that only one side has are left out.

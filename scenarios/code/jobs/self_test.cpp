@@ -55,6 +55,27 @@ std::vector<std::vector<std::string>> WorseRows(const SelfTestResult& result) {
   return rows;
 }
 
+/// Which system's gate caught which worse system, and by what.
+std::vector<std::vector<std::string>> CaughtRows(const SelfTestResult& result) {
+  std::vector<std::vector<std::string>> rows{{"made worse by"}};
+  for (const EntryVerdict& entry : result.as_it_is) rows[0].push_back(entry.scenario + ", " + entry.system);
+  for (const SelfTestResult::Worse& worse : result.worse) {
+    std::vector<std::string> row{worse.name};
+    for (const EntryVerdict& column : result.as_it_is) {
+      const auto here = std::find_if(worse.verdicts.begin(), worse.verdicts.end(), [&](const EntryVerdict& entry) {
+        return entry.scenario == column.scenario && entry.system == column.system;
+      });
+      if (here == worse.verdicts.end()) {
+        row.push_back("-");
+      } else {
+        row.push_back(HasRegressed(*here) ? ByWhat({*here}) : "not caught");
+      }
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 /// Per scenario, system and metric: the distribution of shifts due to the random stream alone.
 std::vector<std::vector<std::string>> RerunRows(const SelfTestResult& result) {
   std::vector<std::vector<std::string>> rows{
@@ -150,7 +171,7 @@ SelfTestResult RunSelfTest(const Suite& suite, const Baseline& baseline, int rer
 }
 
 std::string SelfTestText(const Suite& suite, const SelfTestResult& result) {
-  std::string text = AlignedTable(WorseRows(result));
+  std::string text = AlignedTable(WorseRows(result)) + "\n" + AlignedTable(CaughtRows(result));
   if (!result.reruns.empty()) text += "\n" + AlignedTable(RerunRows(result));
   return text + fmt::format("\n{}: {}; {} runs ({} reused) in {:.0f} s\n", suite.options.name, RatesText(result),
                             result.runs, result.reused, result.wall_s);
@@ -169,6 +190,8 @@ std::string SelfTestMarkdown(const Suite& suite, const SelfTestResult& result) {
                                                          : "a bootstrap interval of the median",
       suite.options.gate.alpha);
   text += MarkdownTable(WorseRows(result));
+  text += "\nBy system: the metrics that regressed. What one system's gate lets pass, another's may catch.\n\n";
+  text += MarkdownTable(CaughtRows(result));
   if (!result.reruns.empty()) {
     text += fmt::format(
         "\nRe-runs in which only the random stream of the SLAM system differs, {} of them, each judged against the "

@@ -118,7 +118,7 @@ GatedMetric ResolveMetric(const OptionValue& node, const SuiteMetric& metric, co
   if (metric.name.empty()) node.Fail("expected the key `name` with a score");
   if (metric.name == "coverage_ratio")
     node.Fail("coverage_ratio always gates; its margin is `coverage_margin` under `gate`");
-  GatedMetric gated{metric.name, "", Better::kNeither, metric.margin, metric.margin_pct};
+  GatedMetric gated{metric.name, "", Better::kNeither, metric.margin, metric.margin_pct, metric.change};
   for (const SuiteEntry& entry : suite.entries) {
     std::vector<Score> catalogue = ScoreCatalogue(entry.resolved.scenario.score);
     // A system that makes no map has none of these: its metric is then undecided, which never passes.

@@ -43,6 +43,7 @@ struct SuiteMetric {
   using DescribedTag = void;
   std::string name;
   double margin = 0, margin_pct = 0;
+  bool change = false;
 };
 
 template <class Visitor>
@@ -50,6 +51,7 @@ void VisitFields(Visitor& visit, SuiteMetric& o) {
   visit("name", o.name, AnyText(), "a score, as `gaitcam run` lists them");
   visit("margin", o.margin, AtLeast(0), "difference that matters, in the score's own unit");
   visit("margin_pct", o.margin_pct, AtLeast(0), "... as a part of the baseline's median; the larger one counts");
+  visit("change", o.change, Nested(), "a change in either direction is a regression");
 }
 
 /// A system made worse on purpose, which the gate must report.
