@@ -66,6 +66,11 @@ std::vector<std::string> LostLines(const CheckReport& report) {
     for (const LostRun& lost : entry.lost)
       lines.push_back(
           fmt::format("lost: {} with {}, seed {}: {}", entry.scenario, entry.system, lost.seed, lost.reason));
+    if (!entry.restless.empty()) {
+      lines.push_back(
+          fmt::format("restless: {} with {}: seeds not judged by themselves, as their own re-runs spread: {}",
+                      entry.scenario, entry.system, fmt::join(entry.restless, ", ")));
+    }
   }
   return lines;
 }

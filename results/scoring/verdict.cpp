@@ -107,30 +107,52 @@ std::pair<bool, bool> TestShift(const std::vector<double>& worse, const GateRule
   return {test.p_greater <= rules.alpha, test.p_less <= rules.alpha};
 }
 
-/// A seed's worst loss in the baseline and its re-runs.
-double WorstOf(const MeasuredRun& run, double value, const GatedMetric& metric) {
-  double worst = LossOf(value, metric);
-  const auto history = run.history.find(metric.name);
-  if (history == run.history.end()) return worst;
-  for (const double other : history->second) {
-    if (std::isfinite(other)) worst = std::max(worst, LossOf(other, metric));
+/// What a seed's losses were in the baseline and its re-runs; smallest and largest.
+std::pair<double, double> HistoryOf(const MeasuredRun& run, const GatedMetric& metric) {
+  std::vector<double> losses;
+  const auto add = [&](double value) {
+    if (std::isfinite(value)) losses.push_back(LossOf(value, metric));
+  };
+  add(run.Value(metric.name));
+  if (const auto history = run.history.find(metric.name); history != run.history.end()) {
+    for (const double value : history->second) add(value);
   }
-  return worst;
+  if (losses.empty()) return {kNaN, kNaN};
+  const auto [least, most] = std::minmax_element(losses.begin(), losses.end());
+  return {*least, *most};
+}
+
+/// Seeds whose own re-runs spread by more than would be an alarm, in any metric: nothing that one of them does says
+/// that the system is another.
+std::vector<uint64_t> RestlessSeeds(const MeasuredEntry& before, const std::vector<MetricVerdict>& verdicts,
+                                    const GateRules& rules) {
+  std::vector<uint64_t> restless;
+  for (const MeasuredRun& run : before.runs) {
+    const bool spreads = std::any_of(verdicts.begin(), verdicts.end(), [&](const MetricVerdict& verdict) {
+      const auto [least, most] = HistoryOf(run, verdict.metric);
+      return verdict.metric.name != kCoverage && most - least > rules.seed_margins * verdict.margin;
+    });
+    if (spreads) restless.push_back(run.seed);
+  }
+  return restless;
 }
 
 /// Turns the verdict into a regression if a single seed is far outside its own history. What a seed lost in coverage,
 /// lost_below judges.
-void JudgeSeeds(const Pairs& pairs, const GateRules& rules, MetricVerdict& verdict) {
+void JudgeSeeds(const Pairs& pairs, const std::vector<uint64_t>& restless, const GateRules& rules,
+                MetricVerdict& verdict) {
   if (rules.seed_margins <= 0 || verdict.margin <= 0) return;
   for (size_t i = 0; i < pairs.now.size(); ++i) {
-    const double worst = WorstOf(*pairs.runs[i], pairs.before[i], verdict.metric);
+    const uint64_t seed = pairs.runs[i]->seed;
+    const auto [least, most] = HistoryOf(*pairs.runs[i], verdict.metric);
     const double now = LossOf(pairs.now[i], verdict.metric);
-    const double back = verdict.metric.change ? LossOf(pairs.before[i], verdict.metric) - now : 0;
-    if (!(std::max(now - worst, back) > rules.seed_margins * verdict.margin)) continue;
+    const double beyond = std::max(now - most, verdict.metric.change ? least - now : 0);
+    if (!(beyond > rules.seed_margins * verdict.margin)) continue;
+    if (std::find(restless.begin(), restless.end(), seed) != restless.end()) continue;
     if (verdict.far_seeds++ > 0 || verdict.outcome == Outcome::kRegression) continue;
     verdict.outcome = Outcome::kRegression;
     verdict.reason = fmt::format("seed {}: {:.4g}, before {:.4g}; worse than all its history by more than {:g} margins",
-                                 pairs.runs[i]->seed, pairs.now[i], pairs.before[i], rules.seed_margins);
+                                 seed, pairs.now[i], pairs.before[i], rules.seed_margins);
   }
 }
 
@@ -223,13 +245,19 @@ double LossOf(double value, const GatedMetric& metric) { return metric.change ? 
 
 EntryVerdict JudgeEntry(const MeasuredEntry& before, const MeasuredEntry& now, const std::vector<GatedMetric>& metrics,
                         const GateRules& rules) {
-  EntryVerdict entry{now.scenario, now.system, FindLost(before, now, rules), {}};
+  EntryVerdict entry{now.scenario, now.system, FindLost(before, now, rules), {}, {}};
   entry.metrics.push_back(JudgeCoverage(before, now, entry.lost, rules));
   const bool covered = entry.metrics.front().outcome != Outcome::kRegression;
+  std::vector<Pairs> pairs_of;
   for (const GatedMetric& metric : metrics) {
-    const Pairs pairs = PairMetric(before, now, metric.name, entry.lost);
-    MetricVerdict verdict = JudgePairs(metric, pairs, rules);
-    JudgeSeeds(pairs, rules, verdict);
+    pairs_of.push_back(PairMetric(before, now, metric.name, entry.lost));
+    entry.metrics.push_back(JudgePairs(metric, pairs_of.back(), rules));
+  }
+  entry.restless = RestlessSeeds(before, entry.metrics, rules);
+  for (size_t k = 0; k < metrics.size(); ++k) {
+    const Pairs& pairs = pairs_of[k];
+    MetricVerdict& verdict = entry.metrics[k + 1];
+    JudgeSeeds(pairs, entry.restless, rules, verdict);
     if (!covered) {
       verdict.outcome = Outcome::kNotJudged;
       verdict.reason = "coverage was lost";
@@ -237,7 +265,6 @@ EntryVerdict JudgeEntry(const MeasuredEntry& before, const MeasuredEntry& now, c
       verdict.outcome = Outcome::kRegression;
       verdict.reason = fmt::format("{} of {} runs no longer determine it", pairs.vanished, before.runs.size());
     }
-    entry.metrics.push_back(std::move(verdict));
   }
   return entry;
 }

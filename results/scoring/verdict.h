@@ -122,6 +122,7 @@ struct EntryVerdict {
   std::string scenario, system;
   std::vector<LostRun> lost;
   std::vector<MetricVerdict> metrics;  ///< coverage_ratio first.
+  std::vector<uint64_t> restless;      ///< Seeds not judged by themselves: their own re-runs spread too much.
 };
 
 /// The fewest pairs that a one-sided signed-rank test can find significant: 2^-n <= alpha.

@@ -74,12 +74,40 @@ TEST(Verdict, ASingleSeedFarOutsideItsHistoryIsARegression) {
 
 TEST(Verdict, WhatASeedDidBeforeIsNotFarOutside) {
   MeasuredEntry before = Entry(kBefore);
-  before.runs[2].history[kMetric] = {0.08, 0.14, std::nan(""), 0.09};
+  before.runs[2].history[kMetric] = {0.08, 0.12, std::nan(""), 0.09};
   std::vector<double> now = kBefore;
-  now[2] = 0.18;  // nine margins from the baseline's value, four from the worst re-run
+  now[2] = 0.16;  // seven margins from the baseline's value, four from the worst re-run
   EXPECT_EQ(Judge(before, Entry(now), Metrics(0.01)).outcome, Outcome::kUnchanged);
-  now[2] = 0.20;
+  now[2] = 0.18;
   EXPECT_EQ(Judge(before, Entry(now), Metrics(0.01)).outcome, Outcome::kRegression);
+}
+
+TEST(Verdict, ASeedThatIsNeverTheSameTwiceIsNotJudgedByItself) {
+  MeasuredEntry before = Entry(kBefore);
+  before.runs[2].history[kMetric] = {0.09, 0.15};  // six margins
+  std::vector<double> now = kBefore;
+  now[2] = 100;
+  const EntryVerdict verdict = JudgeEntry(before, Entry(now), Metrics(0.01), {});
+  EXPECT_EQ(verdict.metrics[1].outcome, Outcome::kUnchanged);
+  EXPECT_EQ(verdict.restless, std::vector<uint64_t>{3});
+  EXPECT_THAT(CheckTable({"s", {verdict}, {}, 8, 0, 1}), HasSubstr("not judged by themselves"));
+  now[3] = 100;
+  EXPECT_EQ(Judge(before, Entry(now), Metrics(0.01)).outcome, Outcome::kRegression);
+}
+
+// A scale that went from 3 % to 0 is another one, as is one from 0 to 3 %.
+TEST(Verdict, WhereAnyChangeCountsBothDirectionsDo) {
+  std::vector<GatedMetric> metrics = Metrics(0.01, Better::kNearZero);
+  EXPECT_EQ(Judge(Entry(kBefore), Entry(Shifted(-0.03)), metrics).outcome, Outcome::kImprovement);
+  metrics[0].change = true;
+  for (const double by : {-0.03, 0.03}) {
+    const MetricVerdict verdict = Judge(Entry(kBefore), Entry(Shifted(by)), metrics);
+    EXPECT_EQ(verdict.outcome, Outcome::kRegression) << by;
+    EXPECT_NEAR(verdict.worse_by, 0.03, 1e-12) << by;
+  }
+  std::vector<double> now = kBefore;
+  now[3] -= 0.06;
+  EXPECT_EQ(Judge(Entry(kBefore), Entry(now), metrics).outcome, Outcome::kRegression);
 }
 
 TEST(Verdict, ASeedFarBetterIsNone) {

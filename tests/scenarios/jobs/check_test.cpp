@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "algorithms/core/errors.h"
@@ -19,16 +20,17 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Seven seeds are the fewest that can be significant at 1 %; standing and looking about needs no walk to track.
+/// Seven seeds are the fewest that can be significant at 1 %; who tracks the floor has poses from the first frame on.
 constexpr const char* kScenario =
     "scene: plain\nduration_s: 2.2\n"
     "path: {kind: straight, length_m: 0.3}\n"
     "camera: {width_px: 160, height_px: 120, rate_hz: 10, exposure_ms: 4, fixed_subframes: 2}\n"
-    "system: mobif_vo_plus\n";
+    "system: floor_slam\n";
 constexpr const char* kSuite =
     "scenarios:\n  - {name: step, scenario: walk.yaml}\n"
-    "systems: [mobif_vo_plus]\nseeds: 7\n"
-    "metrics:\n  - {name: rpe_rot_rmse_deg_1f, margin: 0.05}\n  - {name: ate_rmse_m, margin: 0.02}\n";
+    "systems: [floor_slam]\nseeds: 7\n"
+    "metrics:\n  - {name: rpe_rot_rmse_deg_1f, margin: 0.05}\n  - {name: ate_rmse_m, margin: 0.02}\n"
+    "gate: {history: 1}\n";
 
 class CheckTest : public testing::Test {
  protected:
@@ -108,16 +110,15 @@ TEST_F(CheckTest, AcceptsPassesCatchesAndRefuses) {
   Write("suite.yaml", kSuite);
 
   // A baseline of better days: exit 1, the metric named, in all reports.
-  std::string better = accepted;
-  for (size_t at = 0; (at = better.find("\"rpe_rot_rmse_deg_1f\":", at)) != std::string::npos;) {
-    at += 22;
-    const size_t end = better.find_first_of(",}", at);
-    better.replace(at, end - at, "0.0001");
+  nlohmann::ordered_json better = nlohmann::ordered_json::parse(accepted);
+  for (auto& run : better["entries"][0]["runs"]) {
+    run["values"]["rpe_rot_rmse_deg_1f"] = 0.0001;
+    run["history"]["rpe_rot_rmse_deg_1f"] = {0.0001};
   }
-  Write("better.json", better);
+  Write("better.json", better.dump());
   const ProgramResult worse = Check("--baseline better.json --junit worse.xml");
   EXPECT_EQ(worse.exit_code, 1);
-  EXPECT_THAT(worse.err, HasSubstr("REGRESSION: rpe_rot_rmse_deg_1f of mobif_vo_plus on step"));
+  EXPECT_THAT(worse.err, HasSubstr("REGRESSION: rpe_rot_rmse_deg_1f of floor_slam on step"));
   EXPECT_THAT(ReadText(folder() / "worse.xml"), HasSubstr("failures=\"1\""));
 
   // Another scenario: exit 2, and which key it is.
@@ -129,7 +130,7 @@ TEST_F(CheckTest, AcceptsPassesCatchesAndRefuses) {
 
   // A metric or a seed that the baseline does not have.
   Replace("ate_rmse_m", "ate_mean_m");
-  EXPECT_THAT(Check().err, HasSubstr("it has no ate_mean_m of step with mobif_vo_plus"));
+  EXPECT_THAT(Check().err, HasSubstr("it has no ate_mean_m of step with floor_slam"));
   Write("suite.yaml", kSuite);
   Replace("seeds: 7", "seeds: 8");
   EXPECT_THAT(Check().err, HasSubstr("it has no seed 8 of step"));
@@ -163,7 +164,7 @@ TEST_F(CheckTest, AcceptsPassesCatchesAndRefuses) {
 TEST_F(CheckTest, ASystemThatCrashesFailsTheGateAndNeverBecomesABaseline) {
   Write("crash.sh", "#!/bin/sh\necho it broke >&2\nexit 7\n");
   fs::permissions(folder() / "crash.sh", fs::perms::owner_all);
-  Replace("[mobif_vo_plus]", "[{command: [./crash.sh, \"{dataset}\", \"{output}\"]}]");
+  Replace("[floor_slam]", "[{command: [./crash.sh, \"{dataset}\", \"{output}\"]}]");
   Replace("duration_s: 2.2", "duration_s: 0.4", "walk.yaml");
   const ProgramResult update = Check("--update");
   EXPECT_EQ(update.exit_code, 2) << update.err;
@@ -174,9 +175,11 @@ TEST_F(CheckTest, ASystemThatCrashesFailsTheGateAndNeverBecomesABaseline) {
 TEST_F(CheckTest, UnknownKeysAndWrongTypesPointAtTheirPlace) {
   Replace("seeds: 7", "sedes: 7");
   ExpectRefusal(2, "suite.yaml:4:1: sedes: unknown key; did you mean seeds?");
-  Write("suite.yaml", std::string(kSuite) + "gate: {alpha: 0.9}\n");
+  Write("suite.yaml", kSuite);
+  Replace("history: 1", "alpha: 0.9");
   ExpectRefusal(2, "suite.yaml:8:15: gate.alpha: 0.9 is not permitted");
-  Write("suite.yaml", std::string(kSuite) + "gate: {test: t_test}\n");
+  Write("suite.yaml", kSuite);
+  Replace("history: 1", "test: t_test");
   ExpectRefusal(2, "gate.test");
   Write("suite.yaml", kSuite);
   Replace("margin: 0.05", "margin: some");
@@ -185,7 +188,7 @@ TEST_F(CheckTest, UnknownKeysAndWrongTypesPointAtTheirPlace) {
 
 TEST_F(CheckTest, EmptyListsAreRefused) {
   for (const auto& [old_text, new_text, fragment] :
-       {std::tuple{"systems: [mobif_vo_plus]", "systems: []", "expected at least one system"},
+       {std::tuple{"systems: [floor_slam]", "systems: []", "expected at least one system"},
         {"seeds: 7", "seeds: 0", "expected a number of seeds of 1 to 1000000"},
         {"seeds: 7", "seeds: []", "expected at least one seed"},
         {"\nseeds: 7", "", "expected at least one seed"},
@@ -206,8 +209,8 @@ TEST_F(CheckTest, NamesThatDoNotExistAreNamedWithTheNearest) {
   Replace("ate_rmse_m", "coverage_ratio");
   ExpectRefusal(2, "coverage_ratio always gates");
   Write("suite.yaml", kSuite);
-  Replace("[mobif_vo_plus]", "[mobif_vo_pluss]");
-  ExpectRefusal(2, "mobif_vo_plus");
+  Replace("[floor_slam]", "[floor_slams]");
+  ExpectRefusal(2, "floor_slam");
   Write("suite.yaml", kSuite);
   Replace("scenario: walk.yaml", "scenario: run.yaml");
   ExpectRefusal(2, "run.yaml: cannot read this file");

@@ -19,7 +19,8 @@ const std::string kNobody = "64999";  // a user without a name, whose files nobo
 /// A short walk of the quick start: one second in few pixels.
 constexpr const char* kShort =
     "--set duration_s=1 --set path.settle_s=0.2 --set camera.width_px=160 --set camera.height_px=120 "
-    "--set camera.rate_hz=10 --set camera.fixed_subframes=2 --set score.min_coverage_ratio=0";
+    "--set camera.rate_hz=10 --set camera.fixed_subframes=2 --set score.min_coverage_ratio=0 --set score.min_pairs=3 "
+    "--set system=floor_slam";
 
 class PackageTest : public testing::Test {
  protected:
@@ -98,7 +99,7 @@ TEST_F(PackageTest, InstalledInAnEmptyRootItRunsForAnybodyAndWritesNothingElsewh
   MakeHome();
   const ProgramResult run = Gaitcam(std::string("run quickstart ") + kShort);
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_TRUE(fs::exists(folder() / "home/runs/quickstart-mobif_vo_plus-seed1/report.html")) << run.out << run.err;
+  EXPECT_TRUE(fs::exists(folder() / "home/runs/quickstart-floor_slam-seed1/report.html")) << run.out << run.err;
   const std::string scenario = (root() / "usr/share/gaitcam/scenarios/quickstart.yaml").string();
   const ProgramResult record = Gaitcam("record " + scenario + " " + kShort);
   EXPECT_EQ(record.exit_code, 0) << record.err;
