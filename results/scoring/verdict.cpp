@@ -127,10 +127,12 @@ std::pair<double, double> HistoryOf(const MeasuredRun& run, const GatedMetric& m
 std::vector<uint64_t> RestlessSeeds(const MeasuredEntry& before, const std::vector<MetricVerdict>& verdicts,
                                     const GateRules& rules) {
   std::vector<uint64_t> restless;
+  if (rules.seed_margins <= 0) return restless;
   for (const MeasuredRun& run : before.runs) {
     const bool spreads = std::any_of(verdicts.begin(), verdicts.end(), [&](const MetricVerdict& verdict) {
       const auto [least, most] = HistoryOf(run, verdict.metric);
-      return verdict.metric.name != kCoverage && most - least > rules.seed_margins * verdict.margin;
+      return verdict.metric.name != kCoverage && verdict.margin > 0 &&
+             most - least > rules.seed_margins * verdict.margin;
     });
     if (spreads) restless.push_back(run.seed);
   }

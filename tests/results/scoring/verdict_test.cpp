@@ -93,6 +93,10 @@ TEST(Verdict, ASeedThatIsNeverTheSameTwiceIsNotJudgedByItself) {
   EXPECT_THAT(CheckTable({"s", {verdict}, {}, 8, 0, 1}), HasSubstr("not judged by themselves"));
   now[3] = 100;
   EXPECT_EQ(Judge(before, Entry(now), Metrics(0.01)).outcome, Outcome::kRegression);
+  EXPECT_TRUE(JudgeEntry(before, Entry(now), Metrics(0), {}).restless.empty());  // no margin, no measure of spread
+  GateRules pairs_alone;
+  pairs_alone.seed_margins = 0;
+  EXPECT_TRUE(JudgeEntry(before, Entry(now), Metrics(0.01), pairs_alone).restless.empty());
 }
 
 // A scale that went from 3 % to 0 is another one, as is one from 0 to 3 %.
