@@ -167,13 +167,13 @@ std::vector<PoseMetric> DriftMetrics() {
   return {{"drift_pct", "%", Better::kLower, kGroup,
            "mean error over length walked, of sub-paths of 10 to 80 % of the path",
            [](const auto& m) { return m.drift.translation_pct; }},
-          {"drift_sim3_pct", "%", Better::kLower, kGroup, "the same, scale corrected",
+          {"drift_sim3_pct", "%", Better::kLower, kGroup, "drift of the scale-corrected estimate",
            [](const auto& m) { return m.drift_sim3.translation_pct; }, true},
           {"drift_rot_deg_per_m", "deg/m", Better::kLower, kGroup, "rotation error per length over the same sub-paths",
            [](const auto& m) { return m.drift.rotation_deg_per_m; }},
           {"end_drift_pct", "%", Better::kLower, kGroup, "error between first and last pose, part of the path walked",
            [](const auto& m) { return m.drift.end_pct; }},
-          {"end_drift_sim3_pct", "%", Better::kLower, kGroup, "the same, scale corrected",
+          {"end_drift_sim3_pct", "%", Better::kLower, kGroup, "error at the end, scale corrected",
            [](const auto& m) { return m.drift_sim3.end_pct; }}};
 }
 

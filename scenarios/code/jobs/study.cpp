@@ -118,9 +118,15 @@ void AddMetrics(const OptionValue& root, Study& study) {
   for (const Score& score : known) study.table.score_names.push_back(score.name);
   // Scores of maps get a column when a run has them (CollectRuns).
   for (const Score& score : MapScoreCatalogue()) known.push_back(score);
-  for (size_t i = 0; i < study.options.metrics.size(); ++i) {
+  const std::vector<std::string>& names = study.options.metrics;
+  for (size_t i = 0; i < names.size(); ++i) {
     const OptionValue here = root.Has("metrics") ? root.Child("metrics").Element(i) : root;
-    study.table.metrics.push_back(KnownScore(here, study.options.metrics[i], known));
+    study.table.metrics.push_back(KnownScore(here, names[i], known));
+    // What a system said live stands beside its last word, asked for or not.
+    const std::string live = "live_" + names[i];
+    const auto twin = std::find_if(known.begin(), known.end(), [&](const Score& score) { return score.name == live; });
+    if (twin == known.end() || std::find(names.begin(), names.end(), live) != names.end()) continue;
+    study.table.metrics.push_back(*twin);
   }
 }
 

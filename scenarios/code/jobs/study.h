@@ -31,7 +31,8 @@ struct StudyOptions : ExperimentOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, StudyOptions& o) {
   VisitFields(visit, static_cast<ExperimentOptions&>(o));
-  visit("metrics", o.metrics, Nested(), "scores that tables and page are about, by name");
+  visit("metrics", o.metrics, Nested(),
+        "scores that tables and page are about, by name; each with that of the live answer, where it has one");
   visit("reference", o.reference, Nested(), "axis: the level that effects are differences from; else its first");
   visit("by", o.by, AnyText(), "axis within whose levels effects stand as well; else `system`, if that is an axis");
   visit("confidence", o.confidence, Between(0.5, 0.999), "of all intervals");
