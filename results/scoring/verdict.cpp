@@ -47,7 +47,7 @@ struct Pairs {
   std::vector<const MeasuredRun*> runs;     ///< The baseline's of these seeds.
   std::vector<double> all_before, all_now;  ///< Of all that have any.
   int left_out = 0;
-  int vanished = 0;  ///< Seeds of runs that are scored now as before, but without this value.
+  std::vector<uint64_t> vanished;  ///< Seeds of runs that are scored now as before, but without this value.
 };
 
 Pairs PairCoverage(const MeasuredEntry& before, const MeasuredEntry& now) {
@@ -89,7 +89,7 @@ Pairs PairMetric(const MeasuredEntry& before, const MeasuredEntry& now, const st
       continue;
     }
     ++pairs.left_out;
-    pairs.vanished += std::isfinite(a) && other != nullptr && !is_lost;
+    if (std::isfinite(a) && other != nullptr && !is_lost) pairs.vanished.push_back(run.seed);
   }
   return pairs;
 }
@@ -260,6 +260,9 @@ EntryVerdict JudgeEntry(const MeasuredEntry& before, const MeasuredEntry& now, c
     entry.metrics.push_back(JudgePairs(metric, pairs_of.back(), rules));
   }
   entry.restless = RestlessSeeds(before, entry.metrics, rules);
+  const auto is_restless = [&](uint64_t seed) {
+    return std::find(entry.restless.begin(), entry.restless.end(), seed) != entry.restless.end();
+  };
   for (size_t k = 0; k < metrics.size(); ++k) {
     const Pairs& pairs = pairs_of[k];
     MetricVerdict& verdict = entry.metrics[k + 1];
@@ -267,9 +270,13 @@ EntryVerdict JudgeEntry(const MeasuredEntry& before, const MeasuredEntry& now, c
     if (!covered) {
       verdict.outcome = Outcome::kNotJudged;
       verdict.reason = "coverage was lost";
-    } else if (pairs.vanished > rules.lost_runs_allowed) {
+      continue;
+    }
+    const auto vanished = int(
+        std::count_if(pairs.vanished.begin(), pairs.vanished.end(), [&](uint64_t seed) { return !is_restless(seed); }));
+    if (vanished > rules.lost_runs_allowed) {
       verdict.outcome = Outcome::kRegression;
-      verdict.reason = fmt::format("{} of {} runs no longer determine it", pairs.vanished, before.runs.size());
+      verdict.reason = fmt::format("{} of {} runs no longer determine it", vanished, before.runs.size());
     }
   }
   return entry;

@@ -100,6 +100,23 @@ TEST(Verdict, ASeedThatIsNeverTheSameTwiceIsNotJudgedByItself) {
 }
 
 // A scale that went from 3 % to 0 is another one, as is one from 0 to 3 %.
+GateRules LenientRules() {
+  GateRules rules;
+  rules.alpha = 0.02;
+  return rules;
+}
+
+// A walk that ends in another map at every other re-run may leave a metric open as well.
+TEST(Verdict, WhatARestlessSeedNoLongerDeterminesIsNoRegression) {
+  MeasuredEntry before = Entry(kBefore);
+  before.runs[3].history[kMetric] = {0.31, 0.9, 0.3, 0.32};
+  MeasuredEntry now = Entry(kBefore);
+  now.runs[3].values[kMetric] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(Judge(before, now, Metrics(0.01)).outcome, Outcome::kUnchanged);
+  now.runs[2].values[kMetric] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(Judge(before, now, Metrics(0.01), LenientRules()).outcome, Outcome::kRegression);
+}
+
 TEST(Verdict, WhereAnyChangeCountsBothDirectionsDo) {
   std::vector<GatedMetric> metrics = Metrics(0.01, Better::kNearZero);
   EXPECT_EQ(Judge(Entry(kBefore), Entry(Shifted(-0.03)), metrics).outcome, Outcome::kImprovement);
