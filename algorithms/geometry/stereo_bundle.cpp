@@ -81,7 +81,7 @@ class RigBundleEquations {
   std::vector<int> free_;  ///< Of each camera its number among the free poses; -1: fixed.
   int rig_ = -1;           ///< Number of the rig's pose; -1: fixed.
   int poses_ = 0;
-  Vector6d prior_information_ = Vector6d::Zero();
+  Matrix6d whiten_prior_ = Matrix6d::Zero();
   std::vector<Eigen::Matrix2d> whiten_;  ///< W with W' W = covariance^-1.
   std::vector<Point> points_;
   Eigen::MatrixXd H_;  ///< Of the free poses; its lower triangle.
@@ -91,11 +91,9 @@ class RigBundleEquations {
 RigBundleEquations::RigBundleEquations(const StereoBundleProblem& problem, const StereoBundleOptions& options)
     : problem_(problem), options_(options), points_(problem.points.size()) {
   for (const StereoBundleCamera& camera : problem.cameras) free_.push_back(camera.fixed ? -1 : poses_++);
-  GAITCAM_ASSERT((problem.prior_translation > 0) == (problem.prior_rotation > 0));
-  if (problem.prior_rotation > 0) {
+  if (!problem.prior_covariance.isZero(0)) {
     rig_ = poses_++;
-    prior_information_.head<3>().setConstant(std::pow(problem.prior_translation, -2));
-    prior_information_.tail<3>().setConstant(std::pow(problem.prior_rotation, -2));
+    whiten_prior_ = Whitening(problem.prior_covariance);
   }
   std::vector<std::vector<int>> seen_by(points_.size());
   for (const StereoBundleObservation& observation : problem.observations) {
@@ -121,7 +119,7 @@ RigBundleEquations::Views RigBundleEquations::ViewsOf(const RigBundleState& stat
 /// Of the rig, in standard deviations.
 Vector6d RigBundleEquations::PriorResidual(const RigBundleState& state) const {
   if (rig_ < 0) return Vector6d::Zero();
-  return prior_information_.cwiseSqrt().cwiseProduct(Minus(state.X_LR, problem_.prior_X_LR));
+  return whiten_prior_ * Minus(state.X_LR, problem_.prior_X_LR);
 }
 
 /// In standard deviations; nothing if the point lies behind the camera.
@@ -171,8 +169,8 @@ double RigBundleEquations::Linearize(const RigBundleState& state) {
 
 /// The rig's tangent differs from its prior's by little: the Jacobian of Minus is taken as the identity.
 void RigBundleEquations::AddPrior(const RigBundleState& state) {
-  H_.diagonal().segment<6>(6 * rig_) += prior_information_;
-  g_.segment<6>(6 * rig_) += prior_information_.cwiseProduct(Minus(state.X_LR, problem_.prior_X_LR));
+  H_.block<6, 6>(6 * rig_, 6 * rig_) += whiten_prior_.transpose() * whiten_prior_;
+  g_.segment<6>(6 * rig_) += whiten_prior_.transpose() * PriorResidual(state);
 }
 
 /// @returns its cost

@@ -29,8 +29,7 @@ struct StereoBundleObservation {
 struct StereoBundleProblem {
   Pose X_LR;  ///< Maps points of the right camera into the left one. Initial value; refined as its prior permits.
   Pose prior_X_LR;
-  /// Standard deviations of the tangent of prior_X_LR: translation, m, and rotation, rad, per axis. Both 0: fixed.
-  double prior_translation = 0, prior_rotation = 0;
+  Matrix6d prior_covariance = Matrix6d::Zero();  ///< Of prior_X_LR, positive definite; all zero: X_LR is fixed.
   std::vector<StereoBundleCamera> cameras;
   std::vector<Eigen::Vector3d> points;  ///< p_W. Initial values; refined. Each has two observations at least.
   std::vector<StereoBundleObservation> observations;
