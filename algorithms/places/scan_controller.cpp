@@ -12,6 +12,7 @@ ScanController::ScanController(const CylinderProjection& projection, const Panor
     : projection_(projection), layout_(layout), options_(options) {}
 
 std::optional<ScanController::Scan> ScanController::Add(const Observation& observation, double heading_rad) {
+  if (failed_) return std::nullopt;
   const int64_t now_ns = observation.stamp_ns;
   if (wants_scan() && asked_ns_ < 0) {
     asked_ns_ = now_ns;
@@ -24,7 +25,7 @@ std::optional<ScanController::Scan> ScanController::Add(const Observation& obser
       ended_ns_ = now_ns;
       return End();
     }
-    failed_ = failed_ || double(now_ns - asked_ns_) * 1e-9 > options_.patience_s;
+    failed_ = double(now_ns - asked_ns_) * 1e-9 > options_.patience_s;
   } else if (state_ == State::kSettling && Settled(observation)) {
     state_ = State::kWalking;
   }

@@ -49,9 +49,9 @@ class ScanController {
   void Ask();
 
   State state() const { return state_; }
-  /// A scan is asked for, or under way.
-  bool wants_scan() const { return state_ == State::kAsking || state_ == State::kScanning; }
-  /// A scan has taken longer than it may.
+  /// A scan is asked for, or under way. Never again once one has failed: the body is free to walk on.
+  bool wants_scan() const { return !failed_ && (state_ == State::kAsking || state_ == State::kScanning); }
+  /// A scan has taken longer than it may; nothing more is done.
   bool failed() const { return failed_; }
   /// One line: what is missing of a scan that has begun, or that none came.
   std::string MissingText() const;

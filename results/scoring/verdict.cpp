@@ -60,6 +60,10 @@ Pairs PairCoverage(const MeasuredEntry& before, const MeasuredEntry& now) {
     pairs.before.push_back(CoverageOf(run));
     pairs.now.push_back(CoverageOf(*other));
   }
+  const auto is_known = [](const MeasuredRun& run) { return std::isfinite(run.Value(kCoverage)); };
+  const bool known = std::any_of(before.runs.begin(), before.runs.end(), is_known) ||
+                     std::any_of(now.runs.begin(), now.runs.end(), is_known);
+  if (!known) return pairs;  // a system that gives no poses: there is no coverage to show
   pairs.all_before = pairs.before;
   pairs.all_now = pairs.now;
   return pairs;

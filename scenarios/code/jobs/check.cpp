@@ -31,17 +31,18 @@ std::vector<WorkItem> ItemsOf(const Suite& suite, const std::vector<SuiteVariant
   return items;
 }
 
-void KeepGatingValues(const Suite& suite, const JobRecord& record, MeasuredRun& run) {
+void KeepGatingValues(const SuiteEntry& entry, const JobRecord& record, MeasuredRun& run) {
   const auto keep = [&](const std::string& name) {
     const auto score = record.scores.find(name);
     if (score != record.scores.end()) run.values[name] = score->second;
   };
   keep("coverage_ratio");
-  for (const GatedMetric& metric : suite.metrics) keep(metric.name);
+  for (const GatedMetric& metric : entry.metrics) keep(metric.name);
 }
 
-MeasuredRun RunOf(const Suite& suite, const ResolvedScenario& resolved, const ExecutorOptions& options,
+MeasuredRun RunOf(const SuiteEntry& entry, uint64_t seed, const ExecutorOptions& options,
                   const ExecutorOutcome& outcome, std::set<std::string>& renderers) {
+  const ResolvedScenario resolved = entry.WithSeed(seed);
   MeasuredRun run;
   run.seed = resolved.scenario.seed;
   run.hash = HashOf(resolved.OnAnyRenderer());
@@ -54,7 +55,7 @@ MeasuredRun RunOf(const Suite& suite, const ResolvedScenario& resolved, const Ex
     return run;
   }
   renderers.insert(record->renderer.name);
-  KeepGatingValues(suite, *record, run);
+  KeepGatingValues(entry, *record, run);
   if (!record->failure.empty()) {
     run.state = RunState::kCrashed;
     run.reason = record->failure;
@@ -109,7 +110,7 @@ SuiteMeasurement MeasureSuite(const Suite& suite, const std::vector<SuiteVariant
     for (const SuiteEntry& entry : variant.entries) {
       MeasuredEntry runs{entry.scenario, entry.system, {}};
       for (const uint64_t seed : suite.options.seeds)
-        runs.runs.push_back(RunOf(suite, entry.WithSeed(seed), options, outcome, renderers));
+        runs.runs.push_back(RunOf(entry, seed, options, outcome, renderers));
       measured.entries.push_back(std::move(runs));
     }
     measurement.variants.push_back(std::move(measured));
@@ -124,7 +125,10 @@ std::vector<EntryVerdict> JudgeAgainst(const Suite& suite, const Baseline& basel
   std::vector<EntryVerdict> verdicts;
   for (const MeasuredEntry& entry : now) {
     const BaselineEntry* before = baseline.Find(entry.scenario, entry.system);
-    if (before != nullptr) verdicts.push_back(JudgeEntry(before->measured, entry, suite.metrics, suite.options.gate));
+    const auto is_it = [&](const SuiteEntry& e) { return e.scenario == entry.scenario && e.system == entry.system; };
+    const auto gated = std::find_if(suite.entries.begin(), suite.entries.end(), is_it);
+    if (before == nullptr || gated == suite.entries.end()) continue;
+    verdicts.push_back(JudgeEntry(before->measured, entry, gated->metrics, suite.options.gate));
   }
   return verdicts;
 }

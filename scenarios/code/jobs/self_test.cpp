@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 
+#include "algorithms/core/random.h"
 #include "results/scoring/score_text.h"
 #include "results/scoring/statistics.h"
 
@@ -13,6 +15,7 @@ namespace gaitcam {
 namespace {
 
 constexpr double kMaxFalseAlarmRate = 0.01;
+constexpr int kResampledSuites = 10'000;
 
 /// The regression with the largest ratio of shift to margin; null if there is none.
 const MetricVerdict* Strongest(const std::vector<EntryVerdict>& verdicts) {
@@ -109,8 +112,31 @@ std::string RatesText(const SelfTestResult& result) {
         result.FalseAlarms(), result.FalseAlarms() == 1 ? "" : "s", result.reruns.size(),
         100.0 * result.FalseAlarms() / double(result.reruns.size()), 100 * kMaxFalseAlarmRate, result.AlarmsBySeed());
   }
+  if (result.resampled > 0) {
+    text += fmt::format("; {} in {} suites put together from their runs ({:.2f} %)", result.resampled_alarms,
+                        result.resampled, 100.0 * result.resampled_alarms / result.resampled);
+  }
   if (HasRegressed(result.as_it_is)) text += "; the suite as it is does NOT pass";
   return text;
+}
+
+/// A suite whose every run is one of those that the re-runs of the same system on the same walk made.
+std::vector<MeasuredEntry> DrawSuite(std::span<const MeasuredVariant> reruns, RandomStream& random) {
+  std::vector<MeasuredEntry> drawn = reruns.front().entries;
+  for (size_t e = 0; e < drawn.size(); ++e) {
+    for (size_t k = 0; k < drawn[e].runs.size(); ++k)
+      drawn[e].runs[k] = reruns[size_t(random.Index(int(reruns.size())))].entries[e].runs[k];
+  }
+  return drawn;
+}
+
+void JudgeResampled(const Suite& suite, const Baseline& baseline, std::span<const MeasuredVariant> reruns,
+                    SelfTestResult& result) {
+  if (reruns.size() < 2) return;
+  RandomStream random(1, "self_test.resampled");
+  result.resampled = kResampledSuites;
+  for (int i = 0; i < result.resampled; ++i)
+    result.resampled_alarms += HasRegressed(JudgeAgainst(suite, baseline, DrawSuite(reruns, random)));
 }
 
 std::string CommandText(const Suite& suite, const SelfTestResult& result) {
@@ -167,6 +193,7 @@ SelfTestResult RunSelfTest(const Suite& suite, const Baseline& baseline, int rer
       result.reruns.push_back(std::move(verdicts));
     }
   }
+  if (!measured.interrupted) JudgeResampled(suite, baseline, std::span(measured.variants).subspan(worse + 1), result);
   return result;
 }
 
@@ -208,7 +235,9 @@ std::string SelfTestJson(const SelfTestResult& result) {
                               {"caught", result.Caught()},
                               {"worse", nlohmann::ordered_json::array()},
                               {"false_alarms", result.FalseAlarms()},
-                              {"reruns", result.reruns.size()}};
+                              {"reruns", result.reruns.size()},
+                              {"resampled", result.resampled},
+                              {"resampled_alarms", result.resampled_alarms}};
   for (const SelfTestResult::Worse& worse : result.worse)
     json["worse"].push_back({{"name", worse.name}, {"caught", worse.caught}, {"by", ByWhat(worse.verdicts)}});
   return json.dump(2) + "\n";

@@ -1,5 +1,9 @@
 /// The self-test of a gate. Sensitivity: systems made worse on purpose must be reported as regressions. False alarms:
 /// re-runs in which only the SLAM system's random stream differs must pass.
+///
+/// Re-runs are dear, and a hundred say little of a rate of 1 %. But a system's run on one walk knows nothing of its run
+/// on another, so any of the re-runs of one seed goes with any of those of the others: many suites are put together
+/// from the runs that there are, each run drawn by chance, and judged as well.
 
 #pragma once
 
@@ -18,6 +22,8 @@ struct SelfTestResult {
   };
   std::vector<Worse> worse;
   std::vector<std::vector<EntryVerdict>> reruns;
+  int resampled = 0;         ///< Suites put together from runs of different re-runs ...
+  int resampled_alarms = 0;  ///< ... and those among them that raise an alarm.
   std::vector<EntryVerdict> as_it_is;
   std::string renderer;
   int runs = 0, reused = 0;

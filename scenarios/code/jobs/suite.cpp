@@ -46,14 +46,15 @@ std::string OneLine(const SystemChoice& system) {
 }
 
 /// The label of each system: its name, or its name with all settings where two have the same name.
-std::vector<std::string> LabelsOf(const OptionValue& root, const std::vector<SystemChoice>& systems) {
+/// @param node has the list `systems`.
+std::vector<std::string> LabelsOf(const OptionValue& node, const std::vector<SystemChoice>& systems) {
   std::vector<std::string> labels;
   for (size_t i = 0; i < systems.size(); ++i) {
     const auto same_name = [&](const SystemChoice& other) { return other.name == systems[i].name; };
     const bool unique = std::count_if(systems.begin(), systems.end(), same_name) == 1;
     labels.push_back(unique ? systems[i].name : OneLine(systems[i]));
     if (std::count(labels.begin(), labels.end(), labels.back()) > 1)
-      root.Child("systems").Element(i).Fail("this system is there twice");
+      node.Child("systems").Element(i).Fail("this system is there twice");
   }
   return labels;
 }
@@ -63,9 +64,13 @@ void CheckLists(const OptionValue& root, const SuiteOptions& options) {
     if (empty) (root.Has(key) ? root.Child(key) : root).Fail(std::string("expected at least one ") + what);
   };
   need("scenarios", options.scenarios.empty(), "scenario under `scenarios`");
-  need("systems", options.systems.empty(), "system under `systems`");
+  const auto all_have = [&](auto list) {
+    return std::none_of(options.scenarios.begin(), options.scenarios.end(),
+                        [&](const SuiteScenario& scenario) { return (scenario.*list).empty(); });
+  };
+  need("systems", options.systems.empty() && !all_have(&SuiteScenario::systems), "system under `systems`");
   need("seeds", options.seeds.empty(), "seed: the key `seeds`, such as 8");
-  need("metrics", options.metrics.empty(), "metric under `metrics`");
+  need("metrics", options.metrics.empty() && !all_have(&SuiteScenario::metrics), "metric under `metrics`");
   std::set<std::string> names;
   for (size_t i = 0; i < options.scenarios.size(); ++i) {
     const SuiteScenario& scenario = options.scenarios[i];
@@ -92,58 +97,72 @@ SuiteEntry ResolveEntry(const fs::path& file, std::vector<std::string> assignmen
   return entry;
 }
 
-void ResolveEntries(const OptionValue& root, Suite& suite) {
-  const SuiteOptions& options = suite.options;
-  const std::vector<std::string> labels = LabelsOf(root, options.systems);
-  ModelShelf shelf;
-  for (size_t i = 0; i < options.scenarios.size(); ++i) {
-    const SuiteScenario& scenario = options.scenarios[i];
-    for (size_t k = 0; k < options.systems.size(); ++k) {
-      std::vector<std::string> assignments;
-      for (const auto& [key, value] : scenario.set) assignments.push_back(key + "=" + value);
-      assignments.push_back("system=" + OneLine(options.systems[k]));
-      assignments.push_back(fmt::format("seed={}", options.seeds.front()));
-      try {
-        suite.entries.push_back(ResolveEntry((root.folder() / scenario.scenario).lexically_normal(), assignments,
-                                             {scenario.name, labels[k], {}, {}, {}}, shelf));
-      } catch (const BadInput& e) {
-        root.Child("scenarios").Element(i).Fail(e.what());
-      }
+/// One scenario with its own systems, or the suite's.
+void ResolveSystems(const OptionValue& root, size_t scenario_index, ModelShelf& shelf, Suite& suite) {
+  const SuiteScenario& scenario = suite.options.scenarios[scenario_index];
+  const OptionValue here = root.Child("scenarios").Element(scenario_index);
+  const bool own = !scenario.systems.empty();
+  const std::vector<SystemChoice>& systems = own ? scenario.systems : suite.options.systems;
+  const std::vector<std::string> labels = LabelsOf(own ? here : root, systems);
+  for (size_t k = 0; k < systems.size(); ++k) {
+    std::vector<std::string> assignments;
+    for (const auto& [key, value] : scenario.set) assignments.push_back(key + "=" + value);
+    assignments.push_back("system=" + OneLine(systems[k]));
+    assignments.push_back(fmt::format("seed={}", suite.options.seeds.front()));
+    try {
+      suite.entries.push_back(ResolveEntry((root.folder() / scenario.scenario).lexically_normal(), assignments,
+                                           {scenario.name, labels[k], {}, {}, {}, {}}, shelf));
+    } catch (const BadInput& e) {
+      here.Fail(e.what());
     }
   }
 }
 
-/// Unit and direction of the score of this name, if every scenario of the suite has it.
-GatedMetric ResolveMetric(const OptionValue& node, const SuiteMetric& metric, const Suite& suite) {
+void ResolveEntries(const OptionValue& root, Suite& suite) {
+  ModelShelf shelf;
+  for (size_t i = 0; i < suite.options.scenarios.size(); ++i) ResolveSystems(root, i, shelf, suite);
+}
+
+/// Unit and direction of the score of this name. @param node of the metric.
+GatedMetric ResolveMetric(const OptionValue& node, const SuiteMetric& metric, const SuiteEntry& entry) {
   if (metric.name.empty()) node.Fail("expected the key `name` with a score");
   if (metric.name == "coverage_ratio")
     node.Fail("coverage_ratio always gates; its margin is `coverage_margin` under `gate`");
-  GatedMetric gated{metric.name, "", Better::kNeither, metric.margin, metric.margin_pct, metric.change};
-  for (const SuiteEntry& entry : suite.entries) {
-    std::vector<Score> catalogue = ScoreCatalogue(entry.resolved.scenario.score);
-    // A system that makes no map has none of these: its metric is then undecided, which never passes.
-    for (const Score& score : MapScoreCatalogue()) catalogue.push_back(score);
-    std::vector<std::string> names;
-    for (const Score& score : catalogue) names.push_back(score.name);
-    const auto there = std::find(names.begin(), names.end(), metric.name);
-    if (there == names.end()) {
-      node.Fail(fmt::format("scenario {} has no score \"{}\"; {}", entry.scenario, metric.name,
-                            DidYouMean(metric.name, names, "the scores.json of any run names them all")));
-    }
-    const Score& score = catalogue[size_t(there - names.begin())];
-    if (score.better == Better::kNeither) node.Fail(metric.name + " gets neither better nor worse; it cannot gate");
-    gated.unit = score.unit;
-    gated.better = score.better;
+  std::vector<Score> catalogue = ScoreCatalogue(entry.resolved.scenario.score);
+  // A system that makes no map has none of these: its metric is then undecided, which never passes.
+  for (const Score& score : MapScoreCatalogue()) catalogue.push_back(score);
+  std::vector<std::string> names;
+  for (const Score& score : catalogue) names.push_back(score.name);
+  const auto there = std::find(names.begin(), names.end(), metric.name);
+  if (there == names.end()) {
+    node.Fail(fmt::format("scenario {} has no score \"{}\"; {}", entry.scenario, metric.name,
+                          DidYouMean(metric.name, names, "the scores.json of any run names them all")));
   }
-  return gated;
+  const Score& score = catalogue[size_t(there - names.begin())];
+  if (score.better == Better::kNeither) node.Fail(metric.name + " gets neither better nor worse; it cannot gate");
+  return {metric.name, score.unit, score.better, metric.margin, metric.margin_pct, metric.change};
+}
+
+/// @param node has the list `metrics`.
+void ResolveMetrics(const OptionValue& node, const std::vector<SuiteMetric>& metrics, SuiteEntry& entry) {
+  for (size_t i = 0; i < metrics.size(); ++i) {
+    const OptionValue here = node.Child("metrics").Element(i);
+    entry.metrics.push_back(ResolveMetric(here, metrics[i], entry));
+    for (size_t k = 0; k < i; ++k) {
+      if (metrics[k].name == metrics[i].name) here.Fail("this metric is there twice");
+    }
+  }
 }
 
 void ResolveMetrics(const OptionValue& root, Suite& suite) {
-  for (size_t i = 0; i < suite.options.metrics.size(); ++i) {
-    const OptionValue node = root.Child("metrics").Element(i);
-    suite.metrics.push_back(ResolveMetric(node, suite.options.metrics[i], suite));
-    for (size_t k = 0; k < i; ++k) {
-      if (suite.metrics[k].name == suite.metrics[i].name) node.Fail("this metric is there twice");
+  const std::vector<SuiteScenario>& scenarios = suite.options.scenarios;
+  for (SuiteEntry& entry : suite.entries) {
+    const auto is_it = [&](const SuiteScenario& scenario) { return scenario.name == entry.scenario; };
+    const auto scenario = std::find_if(scenarios.begin(), scenarios.end(), is_it);
+    if (scenario->metrics.empty()) {
+      ResolveMetrics(root, suite.options.metrics, entry);
+    } else {
+      ResolveMetrics(root.Child("scenarios").Element(size_t(scenario - scenarios.begin())), scenario->metrics, entry);
     }
   }
 }
@@ -157,6 +176,11 @@ void CheckWorse(const OptionValue& root, const Suite& suite) {
       const auto is_it = [&](const SuiteEntry& entry) { return entry.system == system; };
       if (std::none_of(suite.entries.begin(), suite.entries.end(), is_it))
         node.Child("systems").Fail("the suite has no system " + system);
+    }
+    for (const std::string& scenario : worse.scenarios) {
+      const auto is_it = [&](const SuiteEntry& entry) { return entry.scenario == scenario; };
+      if (std::none_of(suite.entries.begin(), suite.entries.end(), is_it))
+        node.Child("scenarios").Fail("the suite has no scenario " + scenario);
     }
     try {
       suite.EntriesOf(worse);
@@ -213,8 +237,12 @@ void CheckEntryComparable(const Suite& suite, const SuiteEntry& entry, const Bas
     };
     return std::all_of(runs.begin(), runs.end(), has);
   };
-  if (!has_value_of("coverage_ratio")) Incomparable(file, "it has no coverage_ratio of " + name);
-  for (const GatedMetric& metric : suite.metrics) {
+  // A system that gives no poses, as one of places, has no coverage in any run.
+  const auto& runs = before.measured.runs;
+  const bool poses = std::any_of(runs.begin(), runs.end(),
+                                 [](const MeasuredRun& run) { return run.values.count("coverage_ratio") > 0; });
+  if (poses && !has_value_of("coverage_ratio")) Incomparable(file, "it has no coverage_ratio of some runs of " + name);
+  for (const GatedMetric& metric : entry.metrics) {
     if (!has_value_of(metric.name)) Incomparable(file, fmt::format("it has no {} of {}", metric.name, name));
   }
 }
@@ -232,10 +260,11 @@ std::vector<SuiteEntry> Suite::EntriesOf(const WorseSystem& worse) const {
     const bool as_shipped = SaysNothing(scenario.variation) && scenario.people.empty();
     if (as_shipped) shelf.scenes.emplace(scenario.scene, entry.resolved.scene);
   }
+  const auto is_among = [](const std::vector<std::string>& names, const std::string& name) {
+    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+  };
   for (const SuiteEntry& entry : entries) {
-    if (!worse.systems.empty() &&
-        std::find(worse.systems.begin(), worse.systems.end(), entry.system) == worse.systems.end())
-      continue;
+    if (!is_among(worse.systems, entry.system) || !is_among(worse.scenarios, entry.scenario)) continue;
     std::vector<std::string> assignments = entry.assignments;
     for (const auto& [key, value] : worse.set) assignments.push_back(key + "=" + value);
     made.push_back(ResolveEntry(entry.file, assignments, entry, shelf));

@@ -10,7 +10,8 @@
 ///   self_test:
 ///     - {name: focal length off by 2 %, set: {handicap.focal_factor: 1.02}}
 ///
-/// Every scenario is run with every system and every seed.
+/// Every scenario is run with every system and every seed. A scenario that is for other systems, or tells other things,
+/// has lists `systems` and `metrics` of its own.
 
 #pragma once
 
@@ -24,20 +25,6 @@
 #include "scenarios/code/files/scenario.h"
 
 namespace gaitcam {
-
-struct SuiteScenario {
-  using DescribedTag = void;
-  std::string name;
-  std::string scenario;
-  Assignments set;
-};
-
-template <class Visitor>
-void VisitFields(Visitor& visit, SuiteScenario& o) {
-  visit("name", o.name, AnyText(), "as verdicts and baselines call it; defaults to the file's name");
-  visit("scenario", o.scenario, AnyText(), "scenario file, relative to this one");
-  visit("set", o.set, Nested(), "keys of the scenario that differ");
-}
 
 struct SuiteMetric {
   using DescribedTag = void;
@@ -54,12 +41,31 @@ void VisitFields(Visitor& visit, SuiteMetric& o) {
   visit("change", o.change, Nested(), "a change in either direction is a regression");
 }
 
+struct SuiteScenario {
+  using DescribedTag = void;
+  std::string name;
+  std::string scenario;
+  Assignments set;
+  std::vector<SystemChoice> systems;
+  std::vector<SuiteMetric> metrics;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, SuiteScenario& o) {
+  visit("name", o.name, AnyText(), "as verdicts and baselines call it; defaults to the file's name");
+  visit("scenario", o.scenario, AnyText(), "scenario file, relative to this one");
+  visit("set", o.set, Nested(), "keys of the scenario that differ");
+  visit("systems", o.systems, Nested(), "what tracks here, instead of the suite's systems");
+  visit("metrics", o.metrics, Nested(), "what gates here, instead of the suite's metrics");
+}
+
 /// A system made worse on purpose, which the gate must report.
 struct WorseSystem {
   using DescribedTag = void;
   std::string name;
   Assignments set;
   std::vector<std::string> systems;
+  std::vector<std::string> scenarios;
 };
 
 template <class Visitor>
@@ -67,6 +73,7 @@ void VisitFields(Visitor& visit, WorseSystem& o) {
   visit("name", o.name, AnyText(), "what is wrong with it");
   visit("set", o.set, Nested(), "keys of the scenario that make it worse, such as handicap.focal_factor");
   visit("systems", o.systems, Nested(), "only these of the suite's systems; all unless given");
+  visit("scenarios", o.scenarios, Nested(), "only these of the suite's scenarios; all unless given");
 }
 
 struct SuiteOptions {
@@ -99,6 +106,7 @@ struct SuiteEntry {
   std::filesystem::path file;
   std::vector<std::string> assignments;
   ResolvedScenario resolved;
+  std::vector<GatedMetric> metrics;  ///< Without coverage_ratio.
 
   ResolvedScenario WithSeed(uint64_t seed) const;
 };
@@ -107,7 +115,6 @@ struct Suite {
   SuiteOptions options;
   std::filesystem::path file;
   std::vector<SuiteEntry> entries;
-  std::vector<GatedMetric> metrics;  ///< Without coverage_ratio.
 
   /// The entries that a worse system applies to, with its changes.
   std::vector<SuiteEntry> EntriesOf(const WorseSystem& worse) const;

@@ -103,7 +103,19 @@ TEST_F(ScanControllerTest, FailsWhenItsPatienceIsOver) {
   EXPECT_THAT(controller_.MissingText(), testing::HasSubstr("none came"));
   Walk(1);
   EXPECT_TRUE(controller_.failed());
-  Pan(180, 0);
+  EXPECT_FALSE(controller_.wants_scan()) << "the body must not stand for ever";
+  Pan(180, -180);
+  Walk(200);
+  EXPECT_TRUE(controller_.failed());
+  EXPECT_THAT(controller_.MissingText(), testing::HasSubstr("none came"));
+}
+
+TEST_F(ScanControllerTest, AScanWithAGapFailsAndLetsTheBodyGo) {
+  Pan(180, 20);
+  Pan(-100, -180);
+  Walk(53);
+  EXPECT_TRUE(controller_.failed());
+  EXPECT_FALSE(controller_.wants_scan());
   EXPECT_THAT(controller_.MissingText(), testing::HasSubstr("of 360 deg unseen"));
 }
 

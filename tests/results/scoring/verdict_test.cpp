@@ -287,6 +287,20 @@ TEST(Verdict, RunsThatNeverWereScoredAreNoNewLoss) {
   EXPECT_EQ(same.metrics[1].left_out, 1);
 }
 
+TEST(Verdict, ASystemWithoutPosesIsJudgedByItsOtherMetrics) {
+  const auto without_poses = [](MeasuredEntry entry) {
+    for (MeasuredRun& run : entry.runs) run.values.erase("coverage_ratio");
+    return entry;
+  };
+  const MeasuredEntry before = without_poses(Entry(kBefore));
+  const EntryVerdict same = JudgeEntry(before, before, Metrics(0.01), {});
+  EXPECT_EQ(ExitCodeOf({same}), 0);
+  EXPECT_TRUE(std::isnan(same.metrics[0].now.median)) << "there is no coverage to show";
+  EXPECT_EQ(ExitCodeOf({JudgeEntry(before, without_poses(Entry(Shifted(0.02))), Metrics(0.01), {})}), 1);
+  // One that had poses and has none any more has lost all.
+  EXPECT_EQ(ExitCodeOf({JudgeEntry(Entry(kBefore), before, Metrics(0.01), {})}), 1);
+}
+
 TEST(Verdict, AValueThatVanishesFromScoredRunsIsARegression) {
   MeasuredEntry now = Entry(kBefore);
   now.runs[3].values[kMetric] = std::numeric_limits<double>::quiet_NaN();

@@ -226,6 +226,32 @@ TEST_F(CheckTest, TooFewSeedsToShowAnythingAreRefusedBeforeAnythingRuns) {
   ExpectRefusal(3, "6 seeds can never show a regression; at alpha 0.01 at least 7 are needed");
 }
 
+TEST_F(CheckTest, AScenarioMayHaveSystemsAndMetricsOfItsOwn) {
+  Write("suite.yaml",
+        "scenarios:\n  - {name: one, scenario: walk.yaml}\n"
+        "  - {name: two, scenario: walk.yaml, systems: [sift_vo, orb_vo], metrics: [{name: rotation_gain}]}\n"
+        "systems: [floor_slam]\nseeds: 7\nmetrics: [{name: ate_rmse_m}]\n"
+        "self_test:\n  - {name: noise, set: {handicap.pose_noise: 0.1}, scenarios: [two], systems: [orb_vo]}\n");
+  const Suite suite = ReadSuite((folder() / "suite.yaml").string());
+  std::vector<std::string> entries;
+  for (const SuiteEntry& entry : suite.entries)
+    entries.push_back(entry.scenario + " " + entry.system + " " + entry.metrics.at(0).name);
+  EXPECT_THAT(entries, testing::ElementsAre("one floor_slam ate_rmse_m", "two sift_vo rotation_gain",
+                                            "two orb_vo rotation_gain"));
+  const std::vector<SuiteEntry> worse = suite.EntriesOf(suite.options.self_test[0]);
+  ASSERT_EQ(worse.size(), 1u);
+  EXPECT_EQ(worse[0].scenario + " " + worse[0].system, "two orb_vo");
+
+  Replace("scenarios: [two]", "scenarios: [three]");
+  ExpectRefusal(2, "the suite has no scenario three");
+  Replace("scenarios: [three]", "scenarios: [two]");
+  Replace("sift_vo, orb_vo", "orb_vo, orb_vo");
+  ExpectRefusal(2, "this system is there twice");
+  Replace("orb_vo, orb_vo", "orb_vo");
+  Replace("{name: rotation_gain}", "{name: rotation_gains}");
+  ExpectRefusal(2, "rotation_gain");
+}
+
 TEST_F(CheckTest, OptionsThatDoNotGoTogetherAreRefused) {
   ExpectRefusal(2, "--update and --self-test", "--update --self-test");
   ExpectRefusal(2, "belong to --self-test", "--reruns 5");
