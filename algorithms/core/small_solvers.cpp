@@ -81,7 +81,9 @@ template ColumnVector<4> SolveSymmetric(const SquareMatrix<4>&, const ColumnVect
 template ColumnVector<5> SolveSymmetric(const SquareMatrix<5>&, const ColumnVector<5>&);
 template ColumnVector<6> SolveSymmetric(const SquareMatrix<6>&, const ColumnVector<6>&);
 template ColumnVector<11> SolveSymmetric(const SquareMatrix<11>&, const ColumnVector<11>&);
+template SquareMatrix<3> InverseOfSymmetric(const SquareMatrix<3>&);
 template SquareMatrix<4> InverseOfSymmetric(const SquareMatrix<4>&);
+template SquareMatrix<6> InverseOfSymmetric(const SquareMatrix<6>&);
 template SquareMatrix<11> InverseOfSymmetric(const SquareMatrix<11>&);
 
 SquareMatrix<10> SolveSquare(const SquareMatrix<10>& A, const SquareMatrix<10>& B) {

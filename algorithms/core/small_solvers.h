@@ -17,7 +17,7 @@ using ColumnVector = Eigen::Matrix<double, N, 1>;
 template <int N>
 ColumnVector<N> SolveSymmetric(const SquareMatrix<N>& A, const ColumnVector<N>& b);
 
-/// A^-1, likewise. N is 4 or 11.
+/// A^-1, likewise. N is 3, 4, 6 or 11.
 template <int N>
 SquareMatrix<N> InverseOfSymmetric(const SquareMatrix<N>& A);
 

@@ -5,6 +5,7 @@
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
 #include "algorithms/odometry/keyframe_vo.h"
+#include "algorithms/odometry/stereo_vo.h"
 #include "algorithms/odometry/two_view_vo.h"
 #include "algorithms/slam/floor_slam.h"
 #include "algorithms/slam/settings.h"
@@ -62,6 +63,17 @@ class TwoViewVoSystem : public System {
   TwoViewVo odometry_;
 };
 
+class StereoVoSystem : public System {
+ public:
+  explicit StereoVoSystem(const SystemSetup& setup)
+      : odometry_(setup.calibration, OptionsFrom<StereoVoOptions>(setup.settings, "stereo_vo"), setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
+  FinalEstimate Finish() override { return {odometry_.Finish(), {}, {}}; }
+
+ private:
+  StereoVo odometry_;
+};
+
 class FloorSlamSystem : public System {
  public:
   explicit FloorSlamSystem(const SystemSetup& setup)
@@ -102,6 +114,12 @@ std::vector<Entry> MakeEntries() {
       KeyframeVoWith("orb", "the odometry of mobif_vo with ORB features"),
       KeyframeVoWith("sift", "the odometry of mobif_vo with SIFT features: the plain baseline"),
       KeyframeVoWith("surf", "the odometry of mobif_vo with SURF features"),
+      {{"stereo_vo",
+        "stereo odometry with a covariance: landmarks, keyframes, a window of bundle adjustment (Valencia, chapter 2)",
+        ListFields(StereoVoOptions()),
+        {SensorNeed::kStereo},
+        false},
+       [](const SystemSetup& setup) { return std::make_unique<StereoVoSystem>(setup); }},
       {{"thesis_vo",
         "the monocular odometry of thesis 5.4: seven steps per pair of successive frames",
         ListFields(TwoViewVoOptions()),

@@ -18,12 +18,6 @@ std::optional<double> Nees(const Vector6d& error, const Matrix6d& covariance) {
   return error.dot(cholesky.solve(error)) / 6;
 }
 
-/// A covariance of X_WA as one of X_WB, if B stands rigidly to A: tangents are moved by Ad(X_BA).
-Matrix6d Carry(const Matrix6d& covariance, const Pose& X_AB) {
-  const Matrix6d adjoint = Adjoint(X_AB.Inverse());
-  return adjoint * covariance * adjoint.transpose();
-}
-
 }  // namespace
 
 std::vector<NeesSample> AbsoluteNees(const std::vector<PosePair>& pairs) {
@@ -37,7 +31,7 @@ std::vector<NeesSample> AbsoluteNees(const std::vector<PosePair>& pairs) {
     }
     const Pose truth = first->truth.Inverse() * pair.truth;
     const Pose estimate = first->estimate.Inverse() * pair.estimate;
-    const Matrix6d covariance = *pair.covariance + Carry(*first->covariance, estimate);
+    const Matrix6d covariance = *pair.covariance + CarryCovariance(*first->covariance, estimate);
     if (const auto nees = Nees(LogSe3(estimate.Inverse() * truth), covariance)) {
       samples.push_back({pair.stamp_ns, *nees});
     }
@@ -55,7 +49,7 @@ std::vector<NeesSample> RelativeNees(const std::vector<PosePair>& pairs, double 
     if (to.stamp_ns - before.stamp_ns < delta_ns - slack_ns || !to.covariance || !before.covariance) continue;
     const Pose truth = before.truth.Inverse() * to.truth;
     const Pose estimate = before.estimate.Inverse() * to.estimate;
-    const Matrix6d covariance = *to.covariance - Carry(*before.covariance, estimate);
+    const Matrix6d covariance = *to.covariance - CarryCovariance(*before.covariance, estimate);
     if (const auto nees = Nees(LogSe3(estimate.Inverse() * truth), covariance)) {
       samples.push_back({to.stamp_ns, *nees});
     }
