@@ -66,6 +66,8 @@ class StereoVo::Tracker {
   FrameEstimate Track(const Observation& observation);
   std::vector<FrameEstimate> Finish();
   Pose X_LR() const { return map_.rig().X_LR; }
+  const StereoMap& map() const { return map_; }
+  const StereoView* keyframe_view() const { return keyframe_view_ ? &*keyframe_view_ : nullptr; }
 
  private:
   /// A frame as the final estimate needs it.
@@ -109,6 +111,7 @@ class StereoVo::Tracker {
   ExposureMotion motion_;
   KeyframePolicy policy_;
   StereoMap map_;
+  std::optional<StereoView> keyframe_view_;  ///< Of the frame tracked last, if it became a keyframe.
 
   std::optional<StampedPose> last_;  ///< The last known pose, of the mean over the exposure.
   int lost_frames_ = 0;
@@ -121,6 +124,7 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
   Record record;
   record.answer.stamp_ns = observation.stamp_ns;
   motion_.Add(observation);
+  keyframe_view_.reset();
   if (const auto view = View(observation)) {
     record.answer.features = int(view->left.size());
     record.mean_from_middle = motion_.MeanFromMiddle();
@@ -188,6 +192,7 @@ bool StereoVo::Tracker::Begin(const StereoView& view, Record& record) {
   const int pairs = int(std::count_if(view.partner.begin(), view.partner.end(), [](int p) { return p >= 0; }));
   if (pairs < options_.min_inliers) return false;
   map_.AddKeyframe(view, PredictPose(), {}, {}, Matrix6d::Zero());
+  keyframe_view_ = view;
   policy_.OnKeyframe(pairs);
   record.keyframe = int(map_.keyframes().size()) - 1;
   record.answer.status = TrackingStatus::kTracking;
@@ -284,6 +289,7 @@ SinceKeyframe StereoVo::Tracker::CompareWithKeyframe(const Localized& found) con
 void StereoVo::Tracker::Extend(const StereoView& view, const Localized& found) {
   if (policy_.IsKeyframe(CompareWithKeyframe(found))) {
     map_.AddKeyframe(view, found.result.X_WC, found.matches, found.result.use, found.result.covariance_own);
+    keyframe_view_ = view;
     policy_.OnKeyframe(found.result.inliers);
     return;
   }
@@ -375,5 +381,9 @@ FrameEstimate StereoVo::Track(const Observation& observation) { return tracker_-
 std::vector<FrameEstimate> StereoVo::Finish() { return tracker_->Finish(); }
 
 Pose StereoVo::X_LR() const { return tracker_->X_LR(); }
+
+const StereoMap& StereoVo::map() const { return tracker_->map(); }
+
+const StereoView* StereoVo::keyframe_view() const { return tracker_->keyframe_view(); }
 
 }  // namespace gaitcam

@@ -29,6 +29,7 @@
 #include "algorithms/odometry/frame_view.h"
 #include "algorithms/odometry/keyframe_policy.h"
 #include "algorithms/odometry/keypoint_noise.h"
+#include "algorithms/odometry/stereo_map.h"
 #include "algorithms/odometry/stereo_view.h"
 
 namespace gaitcam {
@@ -96,6 +97,11 @@ class StereoVo {
 
   /// How the right camera stands to the left one, as refined so far.
   Pose X_LR() const;
+
+  /// Keyframes and landmarks. Keyframes within the window still move.
+  const StereoMap& map() const;
+  /// The frame tracked last, if it became a keyframe: map().keyframes().back(). Else null.
+  const StereoView* keyframe_view() const;
 
  private:
   class Tracker;

@@ -8,6 +8,7 @@
 #include "algorithms/odometry/stereo_vo.h"
 #include "algorithms/odometry/two_view_vo.h"
 #include "algorithms/slam/floor_slam.h"
+#include "algorithms/slam/pose_slam.h"
 #include "algorithms/slam/settings.h"
 #include "algorithms/slam/topo_slam.h"
 
@@ -90,6 +91,22 @@ class FloorSlamSystem : public System {
   FloorSlam slam_;
 };
 
+class PoseSlamSystem : public System {
+ public:
+  explicit PoseSlamSystem(const SystemSetup& setup)
+      : slam_(setup.calibration, OptionsFrom<PoseSlamOptions>(setup.settings, "pose_slam"), setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
+  FinalEstimate Finish() override {
+    FinalEstimate answer;
+    answer.frames = slam_.Finish();
+    answer.maps.emplace_back(slam_.graph());
+    return answer;
+  }
+
+ private:
+  PoseSlam slam_;
+};
+
 class TopoSlamSystem : public System {
  public:
   explicit TopoSlamSystem(const SystemSetup& setup)
@@ -132,6 +149,12 @@ std::vector<Entry> MakeEntries() {
         {SensorNeed::kStandingCamera},
         false},
        [](const SystemSetup& setup) { return std::make_unique<FloorSlamSystem>(setup); }},
+      {{"pose_slam",
+        "the odometry of stereo_vo, and a graph of its keyframes with loop closures and covariances",
+        ListFields(PoseSlamOptions()),
+        {SensorNeed::kStereo},
+        false},
+       [](const SystemSetup& setup) { return std::make_unique<PoseSlamSystem>(setup); }},
       {{"topo_slam",
         "a map of places seen all around, 170 bytes each; the robot scans as it asks (thesis, chapter 4)",
         ListFields(TopoSlamOptions()),
