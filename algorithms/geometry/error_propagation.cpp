@@ -108,9 +108,10 @@ PropagatedMotion PropagateMotion(const std::vector<StereoPointMatch>& matches, c
     motion.bias += jacobians[k].by_A * matches[k].A.bias + jacobians[k].by_B * matches[k].B.bias;
     first_order += matches[k].A.first_order_holds && matches[k].B.first_order_holds;
   }
-  motion.nonlinearity = std::sqrt(std::max(0.0, motion.bias.dot(SolveSymmetric<6>(motion.covariance, motion.bias))));
-  constexpr double kSmallBias = 0.5, kNearlyAll = 0.9;
-  motion.first_order_holds = motion.nonlinearity < kSmallBias && first_order >= kNearlyAll * double(matches.size());
+  const Matrix6d second_order = motion.covariance_second + motion.bias * motion.bias.transpose();
+  motion.nonlinearity = std::sqrt(std::max(0.0, (InverseOfSymmetric<6>(motion.covariance) * second_order).trace()));
+  constexpr double kSmall = 0.5, kNearlyAll = 0.9;
+  motion.first_order_holds = motion.nonlinearity < kSmall && first_order >= kNearlyAll * double(matches.size());
   return motion;
 }
 

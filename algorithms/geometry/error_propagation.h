@@ -57,7 +57,7 @@ struct PropagatedMotion {
   Matrix6d covariance;         ///< Of first order (Eq. 2.30).
   Vector6d bias;               ///< Of second order: mean error of the motion from the points' own bias.
   Matrix6d covariance_second;  ///< What the points' terms of second order add to the covariance.
-  double nonlinearity = 0;     ///< The bias in standard deviations of the motion.
+  double nonlinearity = 0;     ///< What these two add to the NEES, its root.
   /// The covariance of first order says what it should, to a tenth in NEES: the bias is small beside it, and so it is
   /// for nearly all points.
   bool first_order_holds = false;

@@ -28,13 +28,15 @@ std::optional<IdealPixel> Undistorted(const CameraModel& camera, const Eigen::Ve
   IdealPixel ideal;
   ideal.xy = camera.Unproject(filmed).head<2>();
   const Eigen::Vector2d f(camera.fx, camera.fy), c(camera.cx, camera.cy);
-  // Beyond the fold of a strong distortion Newton's method does not arrive.
+  // Beyond the fold of a strong distortion Newton's method does not arrive, or does on its far side, where the image is
+  // mirrored.
   constexpr double kArrived_px = 1e-6;
-  if (!ideal.xy.allFinite() ||
+  const Eigen::Matrix2d J = camera.DistortionJacobian(ideal.xy);
+  if (!ideal.xy.allFinite() || !(J.determinant() > 0 && J.trace() > 0) ||
       (camera.Distort(ideal.xy).cwiseProduct(f) + c - filmed).cwiseAbs().maxCoeff() > kArrived_px)
     return std::nullopt;
   ideal.pixel = ideal.xy.cwiseProduct(f) + c;
-  ideal.derivative = f.asDiagonal() * camera.DistortionJacobian(ideal.xy).inverse() * f.cwiseInverse().asDiagonal();
+  ideal.derivative = f.asDiagonal() * J.inverse() * f.cwiseInverse().asDiagonal();
   return ideal;
 }
 
@@ -223,7 +225,8 @@ void Propagate(const Reconstruction& reconstruction, const Eigen::Matrix4d& S, S
   for (size_t k = 0; k < 3; ++k)
     for (size_t l = 0; l < 3; ++l)
       point.covariance_second(int(k), int(l)) = (HS[k].transpose().cwiseProduct(HS[l])).sum() / 2;
-  point.nonlinearity = std::sqrt(std::max(0.0, point.bias.dot(SolveSymmetric<3>(point.covariance, point.bias))));
+  const Eigen::Matrix3d second = point.covariance_second + point.bias * point.bias.transpose();
+  point.nonlinearity = std::sqrt(std::max(0.0, (InverseOfSymmetric<3>(point.covariance) * second).trace()));
   constexpr double kFirstOrder = 0.15;
   point.first_order_holds = point.nonlinearity < kFirstOrder;
 }
