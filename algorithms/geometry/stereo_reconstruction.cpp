@@ -269,6 +269,15 @@ StereoPoint ReconstructPoint(const StereoRig& rig, const StereoSighting& sightin
   return point;
 }
 
+Eigen::Vector3d SolveLinearly(const StereoRig& rig, const Eigen::Vector2d& left, const Eigen::Vector2d& right) {
+  const auto l = Undistorted(rig.left, left), r = Undistorted(rig.right, right);
+  if (!l || !r) return Failed(StereoStatus::kNoRay).p_L;
+  Eigen::Vector4d u;
+  u << l->pixel, r->pixel;
+  const LinearSystem system(rig, u);
+  return SolveSymmetric<3>(system.A.transpose() * system.A, system.A.transpose() * system.b);
+}
+
 ImageOrder TellImageOrder(const StereoRig& rig, const std::vector<StereoSighting>& matches) {
   // A match speaks for an order in which its rays meet, in front of both cameras and not too far to be sure.
   constexpr double kMeets = 25;  // chi-square of one degree: five standard deviations
@@ -290,7 +299,7 @@ ImageOrder TellImageOrder(const StereoRig& rig, const std::vector<StereoSighting
 }
 
 StereoRig StereoRig::Of(const Calibration& calibration) {
-  if (!calibration.right) throw BadInput("calibration: it has no right camera; expected a stereo rig (right, X_LR)");
+  if (!calibration.right) throw BadInput("stereo rig: there is no right camera; expected a calibration with `right` and `X_LR`");
   const StereoRig rig{calibration.camera, *calibration.right, calibration.X_LR};
   rig.Check();
   return rig;
@@ -316,11 +325,11 @@ void StereoRig::Check() const {
   constexpr double kUnit = 1e-6, kMinBaseline_m = 1e-6, kMinOverlap = 0.1;
   const double norm = X_LR.rotation.norm(), baseline_m = X_LR.translation.norm();
   if (!(std::abs(norm - 1) < kUnit)) {
-    throw BadInput("calibration: the rotation of X_LR is none: its quaternion has length " + std::to_string(norm) +
+    throw BadInput("stereo rig: the rotation of X_LR is none: its quaternion has length " + std::to_string(norm) +
                    "; expected 1");
   }
   if (!(baseline_m > kMinBaseline_m && std::isfinite(baseline_m))) {
-    throw BadInput("calibration: the two cameras are " + std::to_string(baseline_m) +
+    throw BadInput("stereo rig: the two cameras are " + std::to_string(baseline_m) +
                    " m apart (translation of X_LR); expected a baseline above 0");
   }
   double overlap = 0;
@@ -328,7 +337,7 @@ void StereoRig::Check() const {
     overlap = std::max(overlap, Overlap(depth_m));
   }
   if (overlap < kMinOverlap) {
-    throw BadInput("calibration: the two cameras see at most " + std::to_string(int(100 * overlap)) +
+    throw BadInput("stereo rig: the two cameras see at most " + std::to_string(int(100 * overlap)) +
                    " % of the left image in common, at whatever depth; expected " +
                    std::to_string(int(100 * kMinOverlap)) + " % or more (X_LR: maps points of the right camera into " +
                    "the left one)");

@@ -95,6 +95,9 @@ struct StereoPoint {
 StereoPoint ReconstructPoint(const StereoRig& rig, const StereoSighting& sighting,
                              const ReconstructionOptions& options = {});
 
+/// Eq. 2.26 alone: wherever the point lies, behind the cameras too. NaN where a pixel has no ray. For Monte Carlo.
+Eigen::Vector3d SolveLinearly(const StereoRig& rig, const Eigen::Vector2d& left, const Eigen::Vector2d& right);
+
 /// Whether images were given as they were filmed or with left for right, told by where matches lie.
 enum class ImageOrder { kRight, kSwapped, kUnknown };
 
