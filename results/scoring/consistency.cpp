@@ -30,6 +30,12 @@ std::optional<double> NeesOfMotion(const PosePair& before, const PosePair& to) {
 
 }  // namespace
 
+ChiSquareInterval ChiSquareBand(int degrees, double normal_quantile) {
+  const double variance = 2.0 / (9.0 * degrees);  // of the cube root of chi-square over its degrees
+  const auto at = [&](double quantile) { return degrees * std::pow(1 - variance + quantile * std::sqrt(variance), 3); };
+  return {at(-normal_quantile), at(normal_quantile)};
+}
+
 std::vector<NeesSample> AbsoluteNees(const std::vector<PosePair>& pairs) {
   std::vector<NeesSample> samples;
   const PosePair* first = nullptr;

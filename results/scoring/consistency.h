@@ -16,6 +16,15 @@ namespace gaitcam {
 /// The 95 % band of one error of six dimensions, per dimension: chi-square quantiles 0.025 and 0.975 over 6.
 constexpr double kNeesLow = 1.2373 / 6, kNeesHigh = 14.4494 / 6;
 
+/// Quantiles of the chi-square distribution to both sides of its middle (Wilson and Hilferty 1931; to 1e-3 of them from
+/// 30 degrees of freedom on).
+struct ChiSquareInterval {
+  double low = 0, high = 0;
+  bool Contains(double sum) const { return sum >= low && sum <= high; }
+};
+/// @param normal_quantile 1.959964 for 95 %, 1.644854 for 90 %
+ChiSquareInterval ChiSquareBand(int degrees, double normal_quantile = 1.959964);
+
 struct NeesSample {
   int64_t stamp_ns = 0;
   double nees = 0;  ///< Per dimension.
