@@ -97,6 +97,10 @@ SymmetricEigen3 EigenOfSymmetric(const Eigen::Matrix3d& A) {
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
+ColumnVector<4> SmallestEigenvector(const SquareMatrix<4>& A) {
+  return Eigen::SelfAdjointEigenSolver<SquareMatrix<4>>(A).eigenvectors().col(0);
+}
+
 ColumnVector<9> SmallestEigenvector(const SquareMatrix<9>& A) {
   // SelfAdjointEigenSolver step by step: its Q, made for any size, takes the compiler several seconds.
   SquareMatrix<9> scaled = A.triangularView<Eigen::Lower>();
@@ -115,6 +119,12 @@ ColumnVector<9> SmallestEigenvector(const SquareMatrix<9>& A) {
   constexpr int kMaxSweeps = 30;
   Eigen::internal::computeFromTridiagonal_impl(diagonal, below, kMaxSweeps, true, Q);  // increasing eigenvalues
   return Q.col(0);
+}
+
+double Svd3::Handedness() const { return U.determinant() * V.determinant() < 0 ? -1 : 1; }
+
+Eigen::Matrix3d Svd3::NearestRotation() const {
+  return U * Eigen::Vector3d(1, 1, Handedness()).asDiagonal() * V.transpose();
 }
 
 Svd3 SvdOf(const Eigen::Matrix3d& A) {

@@ -28,13 +28,15 @@ std::optional<IdealPixel> Undistorted(const CameraModel& camera, const Eigen::Ve
   IdealPixel ideal;
   ideal.xy = camera.Unproject(filmed).head<2>();
   const Eigen::Vector2d f(camera.fx, camera.fy), c(camera.cx, camera.cy);
-  // Beyond the fold of a strong distortion Newton's method does not arrive.
+  // Beyond the fold of a strong distortion Newton's method does not arrive, or does on its far side, where the image is
+  // mirrored.
   constexpr double kArrived_px = 1e-6;
-  if (!ideal.xy.allFinite() ||
+  const Eigen::Matrix2d J = camera.DistortionJacobian(ideal.xy);
+  if (!ideal.xy.allFinite() || !(J.determinant() > 0 && J.trace() > 0) ||
       (camera.Distort(ideal.xy).cwiseProduct(f) + c - filmed).cwiseAbs().maxCoeff() > kArrived_px)
     return std::nullopt;
   ideal.pixel = ideal.xy.cwiseProduct(f) + c;
-  ideal.derivative = f.asDiagonal() * camera.DistortionJacobian(ideal.xy).inverse() * f.cwiseInverse().asDiagonal();
+  ideal.derivative = f.asDiagonal() * J.inverse() * f.cwiseInverse().asDiagonal();
   return ideal;
 }
 
@@ -223,7 +225,8 @@ void Propagate(const Reconstruction& reconstruction, const Eigen::Matrix4d& S, S
   for (size_t k = 0; k < 3; ++k)
     for (size_t l = 0; l < 3; ++l)
       point.covariance_second(int(k), int(l)) = (HS[k].transpose().cwiseProduct(HS[l])).sum() / 2;
-  point.nonlinearity = std::sqrt(std::max(0.0, point.bias.dot(SolveSymmetric<3>(point.covariance, point.bias))));
+  const Eigen::Matrix3d second = point.covariance_second + point.bias * point.bias.transpose();
+  point.nonlinearity = std::sqrt(std::max(0.0, (InverseOfSymmetric<3>(point.covariance) * second).trace()));
   constexpr double kFirstOrder = 0.15;
   point.first_order_holds = point.nonlinearity < kFirstOrder;
 }
@@ -266,6 +269,15 @@ StereoPoint ReconstructPoint(const StereoRig& rig, const StereoSighting& sightin
   return point;
 }
 
+Eigen::Vector3d SolveLinearly(const StereoRig& rig, const Eigen::Vector2d& left, const Eigen::Vector2d& right) {
+  const auto l = Undistorted(rig.left, left), r = Undistorted(rig.right, right);
+  if (!l || !r) return Failed(StereoStatus::kNoRay).p_L;
+  Eigen::Vector4d u;
+  u << l->pixel, r->pixel;
+  const LinearSystem system(rig, u);
+  return SolveSymmetric<3>(system.A.transpose() * system.A, system.A.transpose() * system.b);
+}
+
 ImageOrder TellImageOrder(const StereoRig& rig, const std::vector<StereoSighting>& matches) {
   // A match speaks for an order in which its rays meet, in front of both cameras and not too far to be sure.
   constexpr double kMeets = 25;  // chi-square of one degree: five standard deviations
@@ -287,7 +299,7 @@ ImageOrder TellImageOrder(const StereoRig& rig, const std::vector<StereoSighting
 }
 
 StereoRig StereoRig::Of(const Calibration& calibration) {
-  if (!calibration.right) throw BadInput("calibration: it has no right camera; expected a stereo rig (right, X_LR)");
+  if (!calibration.right) throw BadInput("stereo rig: there is no right camera; expected a calibration with `right` and `X_LR`");
   const StereoRig rig{calibration.camera, *calibration.right, calibration.X_LR};
   rig.Check();
   return rig;
@@ -313,11 +325,11 @@ void StereoRig::Check() const {
   constexpr double kUnit = 1e-6, kMinBaseline_m = 1e-6, kMinOverlap = 0.1;
   const double norm = X_LR.rotation.norm(), baseline_m = X_LR.translation.norm();
   if (!(std::abs(norm - 1) < kUnit)) {
-    throw BadInput("calibration: the rotation of X_LR is none: its quaternion has length " + std::to_string(norm) +
+    throw BadInput("stereo rig: the rotation of X_LR is none: its quaternion has length " + std::to_string(norm) +
                    "; expected 1");
   }
   if (!(baseline_m > kMinBaseline_m && std::isfinite(baseline_m))) {
-    throw BadInput("calibration: the two cameras are " + std::to_string(baseline_m) +
+    throw BadInput("stereo rig: the two cameras are " + std::to_string(baseline_m) +
                    " m apart (translation of X_LR); expected a baseline above 0");
   }
   double overlap = 0;
@@ -325,7 +337,7 @@ void StereoRig::Check() const {
     overlap = std::max(overlap, Overlap(depth_m));
   }
   if (overlap < kMinOverlap) {
-    throw BadInput("calibration: the two cameras see at most " + std::to_string(int(100 * overlap)) +
+    throw BadInput("stereo rig: the two cameras see at most " + std::to_string(int(100 * overlap)) +
                    " % of the left image in common, at whatever depth; expected " +
                    std::to_string(int(100 * kMinOverlap)) + " % or more (X_LR: maps points of the right camera into " +
                    "the left one)");

@@ -79,7 +79,7 @@ struct StereoPoint {
   Eigen::Vector3d bias;               ///< m: by how much p_L is too far on average, of second order.
   Eigen::Matrix3d covariance_second;  ///< m^2, what the terms of second order add to the covariance.
   double squared_error = 0;  ///< Reprojection error over its covariance: chi-square of 1 degree for a right match.
-  /// |bias| in standard deviations, nearly the depth's relative error: how far from Gaussian the point is.
+  /// What the terms of second order add to the NEES, its root: some 2.2 times the depth's relative error.
   double nonlinearity = 0;
   /// The covariance of first order says what it should, to a tenth in NEES.
   bool first_order_holds = false;
@@ -87,9 +87,16 @@ struct StereoPoint {
   bool ok() const { return status == StereoStatus::kOk; }
 };
 
-/// The point that two images show.
+/// The point that two images show. Errors of pixels are taken as Gaussian, the lens as linear over them.
+///
+/// Of StereoCost::kAlgebraic, one property that is easily missed: inverting a noisy disparity puts points too far on
+/// average, by (sigma_z / z)^2 z; noise of vertical disparities makes this cost shrink points. Where pixels err alike
+/// in both directions the two cancel; the likelihood has the first alone.
 StereoPoint ReconstructPoint(const StereoRig& rig, const StereoSighting& sighting,
                              const ReconstructionOptions& options = {});
+
+/// Eq. 2.26 alone: wherever the point lies, behind the cameras too. NaN where a pixel has no ray. For Monte Carlo.
+Eigen::Vector3d SolveLinearly(const StereoRig& rig, const Eigen::Vector2d& left, const Eigen::Vector2d& right);
 
 /// Whether images were given as they were filmed or with left for right, told by where matches lie.
 enum class ImageOrder { kRight, kSwapped, kUnknown };

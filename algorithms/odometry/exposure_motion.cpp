@@ -8,7 +8,7 @@
 namespace gaitcam {
 namespace {
 
-constexpr int kSteps = 9;  // of an exposure
+constexpr int kSteps = 17;  // of an exposure
 
 /// Its square times an acceleration over 24 is the distance of the mean of a motion from its middle.
 double MeanOffset(double seconds) { return seconds * seconds / 24; }
@@ -62,27 +62,25 @@ Eigen::Quaterniond ExposureMotion::TurnSinceLastPose() const {
   return turns.front().rotation * turns.back().rotation.conjugate();
 }
 
-Eigen::Quaterniond ExposureMotion::MeanFromMiddle() const {
-  if (!HasGyro()) return Eigen::Quaterniond::Identity();  // a steady turn has its mean in the middle
+Eigen::Matrix3d ExposureMotion::TurnSpread() const {
   const std::vector<ExposureRotation> rotations = Rotations();
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double weights = 0;
-  for (size_t i = 0; i < rotations.size(); ++i) {
-    const double weight = i == 0 || i + 1 == rotations.size() ? 0.5 : 1;  // trapezoids
-    sum += weight * LogSo3(rotations[i].rotation);
-    weights += weight;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const ExposureRotation& r : rotations) mean += LogSo3(r.rotation) / double(rotations.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const ExposureRotation& r : rotations) {
+    const Eigen::Vector3d turn = LogSo3(r.rotation) - mean;
+    spread += turn * turn.transpose() / double(rotations.size());
   }
-  return weights > 0 ? ExpSo3(sum / weights) : Eigen::Quaterniond::Identity();
+  return spread;
 }
 
-Matrix6d ExposureMotion::UnknownMotion() const {
-  constexpr double kUnknownShare = 0.1;
+Matrix6d ExposureMotion::UnknownMotion(double part) const {
+  constexpr double kExtent2PerSpread = 12;
   const double offset = MeanOffset(double(close_ns_ - open_ns_) * 1e-9);
-  const double turn2 = HasGyro() ? std::pow(kUnknownShare * LogSo3(MeanFromMiddle()).norm(), 2) / 3
-                                 : turn_acceleration2_ * offset * offset;
   Matrix6d covariance = Matrix6d::Zero();
   covariance.diagonal().head<3>().setConstant(acceleration2_ * offset * offset);
-  covariance.diagonal().tail<3>().setConstant(turn2);
+  covariance.bottomRightCorner<3, 3>() = part * part * kExtent2PerSpread * TurnSpread();
+  if (!HasGyro()) covariance.diagonal().tail<3>().array() += turn_acceleration2_ * offset * offset;
   return covariance;
 }
 

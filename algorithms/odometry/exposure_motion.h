@@ -1,9 +1,8 @@
 /// How the camera turned while and between exposures: by the gyroscope where there is one, else as it last turned from
 /// frame to frame.
 ///
-/// A key point of a blurred image lies where its point was on average over the exposure, not where it was in the
-/// middle, which is what the frame's stamp means. The difference is a rotation, the mean over the exposure, and of
-/// second order in its length.
+/// A key point of a blurred image does not lie where its point was at mid-exposure, which is what the frame's stamp
+/// means: see BlurOffset (keypoint_noise.h).
 
 #pragma once
 
@@ -25,7 +24,7 @@ class ExposureMotion {
 
   /// To be told of every frame, before it is asked about.
   void Add(const Observation& observation);
-  /// To be told of every pose that was found (of the mean over the exposure).
+  /// To be told of every pose that was found.
   void AddPose(int64_t stamp_ns, const Pose& X_WC);
 
   /// Whether the present frame's exposure was measured.
@@ -35,11 +34,13 @@ class ExposureMotion {
   /// From the present frame's camera into the last frame's that had a pose; the identity where nothing is known.
   Eigen::Quaterniond TurnSinceLastPose() const;
 
-  /// The camera at mid-exposure against the mean of the exposure: maps points of the former into the latter.
-  Eigen::Quaterniond MeanFromMiddle() const;
+  /// Covariance over the exposure of the turn against its middle, rad^2. Of a uniform turn by a it is a^2 / 12.
+  Eigen::Matrix3d TurnSpread() const;
   /// Covariance of a pose at mid-exposure that comes from the part of the motion during the exposure that is not known:
-  /// of the accelerations that the latest poses show, and of a tenth of the turn that MeanFromMiddle makes good.
-  Matrix6d UnknownMotion() const;
+  /// of the accelerations that the latest poses show, and a part of the turn over the exposure: where in a smeared
+  /// image a detector sees its key points, it sees them alike all over the image.
+  /// @param part of the turn's extent, one standard deviation
+  Matrix6d UnknownMotion(double part) const;
 
  private:
   ImuCalibration imu_;

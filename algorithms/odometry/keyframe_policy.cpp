@@ -15,7 +15,7 @@ bool KeyframePolicy::IsKeyframe(const SinceKeyframe& frame) {
   if (waiting_frames_ == 0 && !IsDue(frame)) return false;
   ++waiting_frames_;
   const bool is_nearly_lost = count < 2 * min_inliers_;
-  return count >= mean_inliers_ || is_nearly_lost || waiting_frames_ > options_.max_wait_frames;
+  return (count >= mean_inliers_ && frame.is_sharp) || is_nearly_lost || waiting_frames_ > options_.max_wait_frames;
 }
 
 bool KeyframePolicy::IsDue(const SinceKeyframe& frame) const {

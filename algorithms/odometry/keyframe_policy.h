@@ -30,7 +30,8 @@ void VisitFields(Visitor& visit, KeyframePolicyOptions& o) {
 struct SinceKeyframe {
   double displacement_px = 0;  ///< Median, by parallax.
   double turn_rad = 0;
-  int inliers = 0;  ///< Of the frame.
+  int inliers = 0;       ///< Of the frame.
+  bool is_sharp = true;  ///< Against those around it.
 };
 
 class KeyframePolicy {

@@ -18,10 +18,13 @@ namespace gaitcam {
 struct KeypointNoiseOptions {
   using DescribedTag = void;
 
-  double sigma_px = 0.2;           ///< Standard deviation of each coordinate, px, of the smallest key point ...
-  double sigma_per_size = 0.04;    ///< ... what each px of a key point's diameter makes of it ...
-  double sigma_per_blur = 0.05;    ///< ... each px of blur along the motion ...
-  double sigma_across_blur = 0.0;  ///< ... and across it.
+  double sigma_px = 0.06;            ///< Standard deviation of each coordinate, px, of the smallest key point ...
+  double sigma_per_size = 0.016;     ///< ... what each px of a key point's diameter makes of it ...
+  double sigma_per_blur = 0.08;      ///< ... each px of blur along the motion ...
+  double sigma_across_blur = 0.025;  ///< ... and across it.
+  /// What all key points of a frame have in common, as if it had turned: part of its turn over the exposure.
+  double common_per_blur = 0.05;
+  double offset_scale = 1.5;  ///< Of the smoothing in BlurOffset, in diameters of the key point.
 };
 
 template <class Visitor>
@@ -30,6 +33,10 @@ void VisitFields(Visitor& visit, KeypointNoiseOptions& o) {
   visit("sigma_per_size", o.sigma_per_size, Between(0.0, 10.0), "what each px of a key point's diameter makes of it");
   visit("sigma_per_blur", o.sigma_per_blur, Between(0.0, 10.0), "each px of blur, along the motion");
   visit("sigma_across_blur", o.sigma_across_blur, Between(0.0, 10.0), "each px of blur, across the motion");
+  visit("common_per_blur", o.common_per_blur, Between(0.0, 10.0),
+        "each px of blur, along the motion, of all key points of a frame alike");
+  visit("offset_scale", o.offset_scale, Between(0.1, 10.0),
+        "a blurred point is seen where its light, smoothed so, peaks");
 }
 
 /// How the light of one point was spread: the covariance, px^2, of where its image was while the shutter was open. Of a
@@ -38,6 +45,14 @@ void VisitFields(Visitor& visit, KeypointNoiseOptions& o) {
 /// @param pixel where it was at mid-exposure
 Eigen::Matrix2d BlurSpread(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
                            const Eigen::Vector2d& pixel);
+
+/// Where a detector sees a point whose image moved, against where it was at mid-exposure, px. A blob filter of the key
+/// point's scale answers most where the light, smoothed by that scale, is densest: for a coarse key point that is the
+/// path's mean, for a fine one where the image lingered.
+/// @param pixel near where it was at mid-exposure
+/// @param sigma_px scale of the key point
+Eigen::Vector2d BlurOffset(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
+                           const Eigen::Vector2d& pixel, double sigma_px);
 
 /// px^2, of the key point's position.
 /// @param spread as of BlurSpread

@@ -204,12 +204,20 @@ void StereoMap::GrowShared(const StereoBundleResult& result) {
   shared_[newest] += PositivePart(grown, whole) / double(newest - oldest);
 }
 
+/// Its distance from the camera is known to a part of it: observations that were given up may leave too few.
+bool StereoMap::IsKnown(const StereoLandmark& landmark) const {
+  constexpr double kLeastKnown = 0.5;
+  const double distance = (landmark.p_W - keyframes_.back().translation).norm();
+  return std::sqrt(landmark.covariance_W.trace()) < kLeastKnown * distance;
+}
+
 void StereoMap::RetireUnseen() {
   const int begin = WindowBegin();
   std::vector<int> still;
   for (const int l : active_) {
     StereoLandmark& landmark = landmarks_[size_t(l)];
-    if (!landmark.observations.empty() && landmark.observations.back().keyframe >= begin) {
+    const bool is_seen = !landmark.observations.empty() && landmark.observations.back().keyframe >= begin;
+    if (is_seen && IsKnown(landmark)) {
       still.push_back(l);
       continue;
     }

@@ -90,6 +90,7 @@ class StereoMap {
   void LearnRig(const StereoBundleResult& result);
   void GrowShared(const StereoBundleResult& result);
   void AddLandmarks(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches);
+  bool IsKnown(const StereoLandmark& landmark) const;
   void RetireUnseen();
 
   StereoRig rig_;

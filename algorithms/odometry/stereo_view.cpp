@@ -71,7 +71,7 @@ class RectifiedRows {
 
 StereoSighting StereoView::Sighting(size_t i) const {
   const size_t r = size_t(partner[i]);
-  return {left.Pixel(i), right.Pixel(r), left.covariance_px[i], right.covariance_px[r]};
+  return {left.pixel[i], right.pixel[r], left.covariance_px[i], right.covariance_px[r]};
 }
 
 std::vector<StereoSighting> StereoView::Sightings() const {
@@ -92,21 +92,25 @@ CameraFeatures DetectInCamera(const cv::Mat& image, const CameraModel& camera, c
   CameraFeatures found;
   found.features = OnePerPlace(DetectFeatures(detector, image, max_features));
   for (const cv::KeyPoint& keypoint : found.features.keypoints) {
-    found.xy.push_back(camera.Unproject({keypoint.pt.x, keypoint.pt.y}).head<2>());
+    found.pixel.emplace_back(keypoint.pt.x, keypoint.pt.y);
+    found.xy.push_back(camera.Unproject(found.pixel.back()).head<2>());
   }
   return found;
 }
 
-void SetNoise(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
+void UndoBlur(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
               const KeypointNoiseOptions& noise, CameraFeatures& features) {
   const Eigen::Matrix2d per_focal = Eigen::Vector2d(1 / camera.fx, 1 / camera.fy).asDiagonal();
   features.covariance_px.clear();
   features.covariance.clear();
   for (size_t i = 0; i < features.size(); ++i) {
-    const Eigen::Vector2d pixel = features.Pixel(i);
-    const Eigen::Matrix2d J = camera.DistortionJacobian(features.xy[i]).inverse() * per_focal;
+    const cv::KeyPoint& keypoint = features.features.keypoints[i];
+    Eigen::Vector2d& pixel = features.pixel[i];
     const Eigen::Matrix2d spread = BlurSpread(camera, rotations, pixel);
-    features.covariance_px.push_back(KeypointCovariance(features.features.keypoints[i], spread, noise));
+    pixel -= BlurOffset(camera, rotations, pixel, noise.offset_scale * keypoint.size);
+    features.xy[i] = camera.Unproject(pixel).head<2>();
+    features.covariance_px.push_back(KeypointCovariance(keypoint, spread, noise));
+    const Eigen::Matrix2d J = camera.DistortionJacobian(features.xy[i]).inverse() * per_focal;
     features.covariance.push_back(J * features.covariance_px.back() * J.transpose());
   }
 }

@@ -36,12 +36,12 @@ void VisitFields(Visitor& visit, StereoMatchingOptions& o) {
 /// Features of one image.
 struct CameraFeatures {
   Features features;                           ///< One per place and scale: what has several orientations is one.
-  std::vector<Eigen::Vector2d> xy;             ///< Normalised coordinates, distortion undone.
-  std::vector<Eigen::Matrix2d> covariance_px;  ///< Of the key point, px^2 ...
+  std::vector<Eigen::Vector2d> pixel;          ///< Of the key point, at mid-exposure ...
+  std::vector<Eigen::Vector2d> xy;             ///< ... and in normalised coordinates, distortion undone.
+  std::vector<Eigen::Matrix2d> covariance_px;  ///< Of the pixel, px^2 ...
   std::vector<Eigen::Matrix2d> covariance;     ///< ... and of xy.
 
   size_t size() const { return xy.size(); }
-  Eigen::Vector2d Pixel(size_t i) const { return {features.keypoints[i].pt.x, features.keypoints[i].pt.y}; }
 };
 
 struct StereoView {
@@ -58,9 +58,9 @@ struct StereoView {
 CameraFeatures DetectInCamera(const cv::Mat& image, const CameraModel& camera, const std::string& which,
                               cv::Feature2D& detector, int max_features);
 
-/// Says how exactly each feature is known.
+/// Moves each feature to where its point was at mid-exposure, and says how exactly it is known.
 /// @param rotations of this camera over the exposure; empty: as if nothing had moved
-void SetNoise(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
+void UndoBlur(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
               const KeypointNoiseOptions& noise, CameraFeatures& features);
 
 /// Pairs left and right features along epipolar lines, each other's nearest by descriptors.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
 #include <optional>
 #include <utility>
@@ -74,8 +75,7 @@ class StereoVo::Tracker {
   struct Record {
     FrameEstimate answer;
     int keyframe = -1;  ///< The latest when it was tracked; -1: no pose.
-    Pose X_KC;          ///< Of the mean over the exposure.
-    Eigen::Quaterniond mean_from_middle = Eigen::Quaterniond::Identity();
+    Pose X_KC;
     Matrix6d unknown_motion = Matrix6d::Zero();
     std::vector<std::pair<int, RigSighting>> sightings;  ///< By landmark; the landmarks' positions are looked up.
   };
@@ -97,6 +97,7 @@ class StereoVo::Tracker {
   SinceKeyframe CompareWithKeyframe(const Localized& found) const;
   void Extend(const StereoView& view, const Localized& found);
   void Lose(Record& record);
+  void NoteBlur();
 
   void Answer(const RigPoseResult& result, const std::vector<int>& landmarks, LandmarkGains& before,
               Record& record) const;
@@ -113,8 +114,10 @@ class StereoVo::Tracker {
   StereoMap map_;
   std::optional<StereoView> keyframe_view_;  ///< Of the frame tracked last, if it became a keyframe.
 
-  std::optional<StampedPose> last_;  ///< The last known pose, of the mean over the exposure.
+  std::optional<StampedPose> last_;  ///< The last known pose.
   int lost_frames_ = 0;
+  std::deque<double> blurs_;    ///< Spread of the turn over the exposure, of the latest frames.
+  bool is_sharp_ = true;        ///< The present frame is among the sharper ones of these.
   LandmarkGains live_, final_;  ///< Of the last frame, tracked and finished.
   std::vector<Record> records_;
   size_t finished_ = 0;  ///< So many of the records.
@@ -127,8 +130,8 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
   keyframe_view_.reset();
   if (const auto view = View(observation)) {
     record.answer.features = int(view->left.size());
-    record.mean_from_middle = motion_.MeanFromMiddle();
-    record.unknown_motion = motion_.UnknownMotion();
+    record.unknown_motion = motion_.UnknownMotion(options_.noise.common_per_blur);
+    NoteBlur();
     if (!(map_.IsEmpty() ? Begin(*view, record) : Localize(*view, record))) Lose(record);
   } else {
     Lose(record);
@@ -161,11 +164,11 @@ std::optional<StereoView> StereoVo::Tracker::View(const Observation& observation
   view.left = detect(observation.image, rig_.left, "left");
   view.right = detect(*observation.right, rig_.right, "right");
   const std::vector<ExposureRotation> rotations = motion_.Rotations();
-  SetNoise(rig_.left, rotations, options_.noise, view.left);
+  UndoBlur(rig_.left, rotations, options_.noise, view.left);
   std::vector<ExposureRotation> of_right = rotations;
   const Eigen::Quaterniond R_LR = map_.rig().X_LR.rotation;
   for (ExposureRotation& r : of_right) r.rotation = R_LR.conjugate() * r.rotation * R_LR;
-  SetNoise(rig_.right, of_right, options_.noise, view.right);
+  UndoBlur(rig_.right, of_right, options_.noise, view.right);
   view.partner = MatchStereo(map_.rig(), view.left, view.right, options_.stereo);
   if (records_.empty()) RefuseSwapped(view);
   return view;
@@ -178,7 +181,7 @@ void StereoVo::Tracker::RefuseSwapped(const StereoView& view) const {
   for (const Match& match : MatchDescriptors(view.left.features.descriptors, view.right.features.descriptors, {})) {
     const size_t l = size_t(match.a), r = size_t(match.b);
     sightings.push_back(
-        {view.left.Pixel(l), view.right.Pixel(r), view.left.covariance_px[l], view.right.covariance_px[r]});
+        {view.left.pixel[l], view.right.pixel[r], view.left.covariance_px[l], view.right.covariance_px[r]});
   }
   if (TellImageOrder(rig_, sightings) == ImageOrder::kSwapped) {
     throw BadInput(
@@ -199,7 +202,7 @@ bool StereoVo::Tracker::Begin(const StereoView& view, Record& record) {
   record.answer.inliers = pairs;
   record.answer.restarted = record.keyframe > 0;
   const Pose X_WC = map_.keyframes().back();
-  record.answer.pose = X_WC * Pose(record.mean_from_middle, {0, 0, 0});
+  record.answer.pose = X_WC;
   record.answer.own_covariance = record.unknown_motion;
   record.answer.covariance = map_.shared_covariances().back() + record.unknown_motion;
   live_ = final_ = {X_WC, {}};
@@ -283,7 +286,7 @@ SinceKeyframe StereoVo::Tracker::CompareWithKeyframe(const Localized& found) con
     angles.push_back(ray.cross(X_WC.translation - X_WK.translation).norm() / ray.squaredNorm());
   }
   return {rig_.left.fx * UpperMedian(std::move(angles)), RotationAngle(X_WK.rotation, X_WC.rotation),
-          found.result.inliers};
+          found.result.inliers, is_sharp_};
 }
 
 void StereoVo::Tracker::Extend(const StereoView& view, const Localized& found) {
@@ -300,14 +303,25 @@ void StereoVo::Tracker::Extend(const StereoView& view, const Localized& found) {
   map_.Refresh(view, inliers);
 }
 
+/// A step of a walk takes some ten frames: one of three is taken to be sharp.
+void StereoVo::Tracker::NoteBlur() {
+  constexpr size_t kFrames = 12;
+  constexpr double kSharpShare = 0.35;
+  const double blur = motion_.TurnSpread().trace();
+  blurs_.push_back(blur);
+  if (blurs_.size() > kFrames) blurs_.pop_front();
+  const auto sharper = std::count_if(blurs_.begin(), blurs_.end(), [&](double other) { return other < blur; });
+  is_sharp_ = double(sharper) <= kSharpShare * double(blurs_.size());
+}
+
 void StereoVo::Tracker::Lose(Record& record) {
   record.answer.status = last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
-  if (last_) record.answer.predicted = PredictPose() * Pose(record.mean_from_middle, {0, 0, 0});
+  if (last_) record.answer.predicted = PredictPose();
   live_.by_landmark.clear();
   if (!map_.IsEmpty() && ++lost_frames_ > options_.max_lost_frames) map_.Clear();
 }
 
-/// Fills a record's answer. The mean over the exposure becomes its middle, which stands rigidly to it.
+/// Fills a record's answer.
 /// @param landmarks of each sighting of `result`
 /// @param before of the frame before; of this one afterwards
 void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<int>& landmarks, LandmarkGains& before,
@@ -318,13 +332,12 @@ void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<in
   }
   constexpr double kOfTwoFrames = 0.5;
   const Matrix6d own = result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(before, now, map_.landmarks());
-  const Pose middle(record.mean_from_middle, {0, 0, 0});
-  const Pose X_KC = map_.keyframes()[size_t(record.keyframe)].Inverse() * result.X_WC * middle;
+  const Pose X_KC = map_.keyframes()[size_t(record.keyframe)].Inverse() * result.X_WC;
   FrameEstimate& answer = record.answer;
   answer.status = TrackingStatus::kTracking;
-  answer.pose = result.X_WC * middle;
+  answer.pose = result.X_WC;
   answer.inliers = result.inliers;
-  answer.own_covariance = CarryCovariance(own, middle) + record.unknown_motion;
+  answer.own_covariance = own + record.unknown_motion;
   answer.covariance =
       *answer.own_covariance + CarryCovariance(map_.shared_covariances()[size_t(record.keyframe)], X_KC);
   before = std::move(now);
@@ -355,7 +368,7 @@ void StereoVo::Tracker::FinishRecord(Record& record) {
   if (result) {
     Answer(*result, landmarks, final_, record);
   } else {
-    record.answer.pose = guess * Pose(record.mean_from_middle, {0, 0, 0});
+    record.answer.pose = guess;
     final_ = {guess, {}};
   }
   record.sightings = {};

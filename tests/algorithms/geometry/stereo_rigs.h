@@ -29,7 +29,7 @@ inline StereoRig DistortedRig() {
   return rig;
 }
 
-inline StereoSighting Seen(const StereoRig& rig, const Eigen::Vector3d& p_L) {
+inline StereoSighting SeenBy(const StereoRig& rig, const Eigen::Vector3d& p_L) {
   StereoSighting sighting;
   sighting.left = *rig.left.Project(p_L);
   sighting.right = *rig.right.Project(rig.X_LR.Inverse() * p_L);
