@@ -28,6 +28,16 @@ Eigen::Vector2d CameraModel::Distort(const Eigen::Vector2d& ideal) const {
   return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
 }
 
+Eigen::Matrix2d CameraModel::DistortionJacobian(const Eigen::Vector2d& ideal) const {
+  const double x = ideal.x(), y = ideal.y(), r2 = ideal.squaredNorm();
+  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  const double slope = 2 * (k1 + r2 * (2 * k2 + 3 * k3 * r2));  // d(radial)/dx = slope x, d(radial)/dy = slope y
+  Eigen::Matrix2d J;
+  J << radial + slope * x * x + 2 * p1 * y + 6 * p2 * x, slope * x * y + 2 * p1 * x + 2 * p2 * y,
+      slope * x * y + 2 * p1 * x + 2 * p2 * y, radial + slope * y * y + 6 * p1 * y + 2 * p2 * x;
+  return J;
+}
+
 std::optional<Eigen::Vector2d> CameraModel::Project(const Eigen::Vector3d& p_C) const {
   if (!(p_C.z() > 0)) return std::nullopt;
   const Eigen::Vector2d d = Distort({p_C.x() / p_C.z(), p_C.y() / p_C.z()});
@@ -40,13 +50,7 @@ Eigen::Vector3d CameraModel::Unproject(const Eigen::Vector2d& pixel) const {
   if (!IsDistorted()) return p.homogeneous();
   // Newton's method on Distort(p) = target with the analytic Jacobian.
   for (int i = 0; i < 50; ++i) {
-    const double x = p.x(), y = p.y(), r2 = p.squaredNorm();
-    const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-    const double slope = 2 * (k1 + r2 * (2 * k2 + 3 * k3 * r2));  // d(radial)/dx = slope x, d(radial)/dy = slope y
-    Eigen::Matrix2d J;
-    J << radial + slope * x * x + 2 * p1 * y + 6 * p2 * x, slope * x * y + 2 * p1 * x + 2 * p2 * y,
-        slope * x * y + 2 * p1 * x + 2 * p2 * y, radial + slope * y * y + 6 * p1 * y + 2 * p2 * x;
-    const Eigen::Vector2d step = J.inverse() * (target - Distort(p));
+    const Eigen::Vector2d step = DistortionJacobian(p).inverse() * (target - Distort(p));
     p += step;
     if (step.norm() < 1e-13) break;
   }

@@ -32,6 +32,8 @@ struct CameraModel {
   Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel) const;
   /// Distorted normalised coordinates of ideal ones.
   Eigen::Vector2d Distort(const Eigen::Vector2d& ideal) const;
+  /// Its derivative by the ideal coordinates.
+  Eigen::Matrix2d DistortionJacobian(const Eigen::Vector2d& ideal) const;
   bool Contains(const Eigen::Vector2d& pixel) const;
   Eigen::Matrix3d K() const;
 

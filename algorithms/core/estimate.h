@@ -32,6 +32,9 @@ struct FrameEstimate {
   /// Of the pose, where the system knows it: of tau = (rho, phi) in X_WC Exp(tau), translation first (se3.h), so given
   /// in the camera's frame; (unit of the pose)^2, unit rad, rad^2. Never without a pose.
   std::optional<Matrix6d> covariance;
+  /// The part of `covariance` that this frame's own measurements bring and no other frame shares; absent: unknown, or
+  /// none. What two frames share cancels in the motion between them, and this does not. Never without `covariance`.
+  std::optional<Matrix6d> own_covariance;
   /// The pose is of so much later than the frame's stamp: an external program stamps its poses as it likes.
   int64_t pose_delay_ns = 0;
   bool restarted = false;  ///< The system says that it chose W or its scale anew at this frame. No score depends on it.

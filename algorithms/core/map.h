@@ -13,10 +13,11 @@
 #include "algorithms/core/landmark_map.h"
 #include "algorithms/core/occupancy_grid.h"
 #include "algorithms/core/place_graph.h"
+#include "algorithms/core/pose_graph.h"
 
 namespace gaitcam {
 
-using Map = std::variant<FloorPicture, PlaceGraph, LandmarkMap, OccupancyGrid>;
+using Map = std::variant<FloorPicture, PlaceGraph, LandmarkMap, OccupancyGrid, PoseGraph>;
 
 /// The first map of one kind, or null.
 template <class Kind>

@@ -136,6 +136,11 @@ Matrix6d CovarianceOfRelative(const Pose& X_BC, const Matrix6d& covariance_AB, c
   return CovarianceOfProduct(X_BC, covariance_AB, covariance_AC, -cross);
 }
 
+Matrix6d CarryCovariance(const Matrix6d& covariance_WA, const Pose& X_AB) {
+  const Matrix6d adjoint = Adjoint(X_AB.Inverse());
+  return adjoint * covariance_WA * adjoint.transpose();
+}
+
 RelativePose RelativePose::Inverse() const {
   return {to_ns, from_ns, X_FT.Inverse(), CovarianceOfInverse(X_FT, covariance)};
 }

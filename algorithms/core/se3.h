@@ -75,6 +75,9 @@ Matrix6d CovarianceOfProduct(const Pose& X_BC, const Matrix6d& covariance_AB, co
 Matrix6d CovarianceOfRelative(const Pose& X_BC, const Matrix6d& covariance_AB, const Matrix6d& covariance_AC,
                               const Matrix6d& cross = Matrix6d::Zero());
 
+/// Of X_WA, as one of X_WB where B stands rigidly to A: the same error, in the tangent of B.
+Matrix6d CarryCovariance(const Matrix6d& covariance_WA, const Pose& X_AB);
+
 /// How a body moved from one instant to another: X_FT maps its frame at `to_ns` (T) into that at `from_ns` (F).
 struct RelativePose {
   int64_t from_ns = 0, to_ns = 0;

@@ -81,7 +81,9 @@ template ColumnVector<4> SolveSymmetric(const SquareMatrix<4>&, const ColumnVect
 template ColumnVector<5> SolveSymmetric(const SquareMatrix<5>&, const ColumnVector<5>&);
 template ColumnVector<6> SolveSymmetric(const SquareMatrix<6>&, const ColumnVector<6>&);
 template ColumnVector<11> SolveSymmetric(const SquareMatrix<11>&, const ColumnVector<11>&);
+template SquareMatrix<3> InverseOfSymmetric(const SquareMatrix<3>&);
 template SquareMatrix<4> InverseOfSymmetric(const SquareMatrix<4>&);
+template SquareMatrix<6> InverseOfSymmetric(const SquareMatrix<6>&);
 template SquareMatrix<11> InverseOfSymmetric(const SquareMatrix<11>&);
 
 SquareMatrix<10> SolveSquare(const SquareMatrix<10>& A, const SquareMatrix<10>& B) {
@@ -93,6 +95,10 @@ SquareMatrix<5> Inverse(const SquareMatrix<5>& A) { return A.inverse(); }
 SymmetricEigen3 EigenOfSymmetric(const Eigen::Matrix3d& A) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(A);
   return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+ColumnVector<4> SmallestEigenvector(const SquareMatrix<4>& A) {
+  return Eigen::SelfAdjointEigenSolver<SquareMatrix<4>>(A).eigenvectors().col(0);
 }
 
 ColumnVector<9> SmallestEigenvector(const SquareMatrix<9>& A) {
@@ -113,6 +119,12 @@ ColumnVector<9> SmallestEigenvector(const SquareMatrix<9>& A) {
   constexpr int kMaxSweeps = 30;
   Eigen::internal::computeFromTridiagonal_impl(diagonal, below, kMaxSweeps, true, Q);  // increasing eigenvalues
   return Q.col(0);
+}
+
+double Svd3::Handedness() const { return U.determinant() * V.determinant() < 0 ? -1 : 1; }
+
+Eigen::Matrix3d Svd3::NearestRotation() const {
+  return U * Eigen::Vector3d(1, 1, Handedness()).asDiagonal() * V.transpose();
 }
 
 Svd3 SvdOf(const Eigen::Matrix3d& A) {

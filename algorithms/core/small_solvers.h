@@ -17,7 +17,7 @@ using ColumnVector = Eigen::Matrix<double, N, 1>;
 template <int N>
 ColumnVector<N> SolveSymmetric(const SquareMatrix<N>& A, const ColumnVector<N>& b);
 
-/// A^-1, likewise. N is 4 or 11.
+/// A^-1, likewise. N is 3, 4, 6 or 11.
 template <int N>
 SquareMatrix<N> InverseOfSymmetric(const SquareMatrix<N>& A);
 
@@ -35,6 +35,7 @@ struct SymmetricEigen3 {
 SymmetricEigen3 EigenOfSymmetric(const Eigen::Matrix3d& A);
 
 /// The unit eigenvector of a symmetric A to the smallest eigenvalue; only the lower triangle of A is read.
+ColumnVector<4> SmallestEigenvector(const SquareMatrix<4>& A);
 ColumnVector<9> SmallestEigenvector(const SquareMatrix<9>& A);
 
 /// A = U diag(values) V^T, by Jacobi rotations.
@@ -42,6 +43,11 @@ struct Svd3 {
   Eigen::Matrix3d U;
   Eigen::Vector3d values;  ///< In decreasing order.
   Eigen::Matrix3d V;
+  /// 1, or -1 where U V^T is a reflection.
+  double Handedness() const;
+  /// The rotation R that maximises tr(R^T A): U V^T, with the last direction mirrored where that would be a reflection
+  /// (S. Umeyama, IEEE PAMI 13(4), 1991, Eqs. 39, 40 and 43).
+  Eigen::Matrix3d NearestRotation() const;
 };
 Svd3 SvdOf(const Eigen::Matrix3d& A);
 

@@ -10,6 +10,8 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/se3.h"
 #include "algorithms/geometry/inverse_depth.h"
+#include "algorithms/geometry/levenberg_marquardt.h"
+#include "algorithms/geometry/robust_loss.h"
 
 namespace gaitcam {
 namespace {
@@ -17,18 +19,6 @@ namespace {
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
-
-/// Half a robust loss of a squared residual, and the weight that it gives the residual: twice its slope (Triggs et al.,
-/// section 4.3, without the term of second order).
-struct Loss {
-  double cost = 0, weight = 1;
-};
-
-Loss HuberLoss(double squared, double threshold) {
-  if (squared <= threshold * threshold) return {0.5 * squared, 1};
-  const double size = std::sqrt(squared);
-  return {threshold * size - 0.5 * threshold * threshold, threshold / size};
-}
 
 /// Of the priors: observations may contradict them.
 Loss CauchyLoss(double squared) { return {0.5 * std::log1p(squared), 1 / (1 + squared)}; }
@@ -279,35 +269,6 @@ BundleState BundleEquations::Moved(const BundleState& state, const BundleStep& s
   return moved;
 }
 
-/// Levenberg-Marquardt; the damping follows how well the linearised problem foretells the cost (H. B. Nielsen,
-/// "Damping parameter in Marquardt's method", 1999).
-BundleResult Minimize(BundleEquations& equations, int max_iterations, BundleState& state) {
-  constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-16, kLeastQuality = 1e-3, kConverged = 1e-6;
-  double damping = kFirstDamping, growth = 2, cost = equations.Linearize(state);
-  const double cost_before = cost;
-  for (int i = 0; i < max_iterations; ++i) {
-    const std::optional<BundleStep> step = equations.Solve(damping);
-    BundleState moved;
-    double moved_cost = cost;
-    if (step) {
-      moved = equations.Moved(state, *step);
-      moved_cost = equations.CostAt(moved);
-      if (std::abs(cost - moved_cost) <= kConverged * cost) break;
-    }
-    const double quality = step ? (cost - moved_cost) / step->gain : 0;
-    if (!(quality > kLeastQuality)) {
-      damping *= growth;
-      growth *= 2;
-      continue;
-    }
-    damping = std::max(kLeastDamping, damping * std::max(1.0 / 3, 1 - std::pow(2 * quality - 1, 3)));
-    growth = 2;
-    state = std::move(moved);
-    cost = i + 1 < max_iterations ? equations.Linearize(state) : moved_cost;
-  }
-  return {cost_before, cost};
-}
-
 /// Standard deviations of the inverse depths, the cameras held fixed: 1 / sqrt(sum of squared derivatives).
 void EstimateDepthSigmas(BundleProblem& problem) {
   std::vector<double> information;
@@ -329,14 +290,14 @@ BundleResult AdjustBundle(BundleProblem& problem, const BundleOptions& options) 
   for (const BundleCamera& camera : problem.cameras) state.cameras.push_back(camera.X_WC);
   for (const BundlePoint& point : problem.points) state.points.emplace_back(point.ray.x(), point.ray.y(), point.rho);
   BundleEquations equations(problem, options);
-  const BundleResult result = Minimize(equations, options.max_iterations, state);
+  const LevenbergMarquardtResult result = MinimizeLevenbergMarquardt(equations, options.max_iterations, state);
   for (size_t k = 0; k < state.cameras.size(); ++k) problem.cameras[k].X_WC = state.cameras[k];
   for (size_t i = 0; i < state.points.size(); ++i) {
     problem.points[i].ray = state.points[i].head<2>();
     problem.points[i].rho = state.points[i].z();
   }
   EstimateDepthSigmas(problem);
-  return result;
+  return {result.cost_before, result.cost_after};
 }
 
 }  // namespace gaitcam

@@ -57,9 +57,7 @@ Eigen::Matrix3d RotationAlone(const std::vector<PointPair>& pairs, const std::ve
       const double error2 = (b - R * a).squaredNorm() / (threshold * threshold);
       sum += (round == 0 ? 1 : 1 / std::pow(1 + error2, 2)) * b * a.transpose();  // Geman and McClure's weights
     }
-    const Svd3 svd = SvdOf(sum);
-    const double sign = (svd.U * svd.V.transpose()).determinant() < 0 ? -1 : 1;
-    R = svd.U * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.V.transpose();
+    R = SvdOf(sum).NearestRotation();
   }
   return R;
 }

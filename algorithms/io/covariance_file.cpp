@@ -10,12 +10,31 @@ namespace {
 
 constexpr const char* kEstimate = "estimate";
 
-std::string Header() {
-  std::string header = "#stamp_ns";
+/// Names of the columns of one matrix: ",c11,c12,...".
+std::string ColumnNames(char letter) {
+  std::string names;
   for (int row = 1; row <= 6; ++row) {
-    for (int col = row; col <= 6; ++col) header += ",c" + std::to_string(row) + std::to_string(col);
+    for (int col = row; col <= 6; ++col) names += "," + (letter + std::to_string(row)) + std::to_string(col);
   }
-  return header + "\n";
+  return names;
+}
+
+std::string UpperTriangle(const Matrix6d& covariance) {
+  std::string numbers;
+  for (int row = 0; row < 6; ++row) {
+    for (int col = row; col < 6; ++col) numbers += "," + ExactText(covariance(row, col));
+  }
+  return numbers;
+}
+
+Matrix6d ReadUpperTriangle(TextTable& table, size_t column) {
+  Matrix6d covariance;
+  for (int row = 0; row < 6; ++row) {
+    for (int col = row; col < 6; ++col) {
+      covariance(row, col) = covariance(col, row) = table.Number(column++, "a covariance");
+    }
+  }
+  return covariance;
 }
 
 }  // namespace
@@ -32,16 +51,16 @@ std::filesystem::path CovarianceFileOf(const std::filesystem::path& trajectory) 
 
 bool WriteCovariances(const std::filesystem::path& file, const std::vector<FrameEstimate>& frames) {
   std::string rows;
+  bool any_own = false;
   for (const FrameEstimate& frame : frames) {
     if (!frame.covariance) continue;
-    rows += std::to_string(frame.stamp_ns);
-    for (int row = 0; row < 6; ++row) {
-      for (int col = row; col < 6; ++col) rows += "," + ExactText((*frame.covariance)(row, col));
-    }
+    rows += std::to_string(frame.stamp_ns) + UpperTriangle(*frame.covariance);
+    if (frame.own_covariance) rows += UpperTriangle(*frame.own_covariance);
+    any_own |= frame.own_covariance.has_value();
     rows += "\n";
   }
   if (rows.empty()) return false;
-  WriteWholeFile(file, Header() + rows);
+  WriteWholeFile(file, "#stamp_ns" + ColumnNames('c') + (any_own ? ColumnNames('o') : "") + "\n" + rows);
   return true;
 }
 
@@ -53,12 +72,9 @@ std::vector<StampedCovariance> ReadCovariances(const std::filesystem::path& file
     entry.stamp_ns = table.Integer(0, "the time in ns");
     if (!covariances.empty() && entry.stamp_ns <= covariances.back().stamp_ns)
       table.Fail("its time does not come after the row before it");
-    size_t column = 1;
-    for (int row = 0; row < 6; ++row) {
-      for (int col = row; col < 6; ++col) {
-        entry.covariance(row, col) = entry.covariance(col, row) = table.Number(column++, "a covariance");
-      }
-    }
+    constexpr size_t kNumbers = 21;
+    entry.covariance = ReadUpperTriangle(table, 1);
+    if (table.size() > 1 + kNumbers) entry.own_covariance = ReadUpperTriangle(table, 1 + kNumbers);
     covariances.push_back(entry);
   }
   return covariances;

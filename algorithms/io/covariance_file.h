@@ -3,11 +3,13 @@
 ///   #stamp_ns,c11,c12,...,c16,c22,...,c66
 ///
 /// the upper triangle row by row (21 numbers) of the covariance of tau = (rho_x, rho_y, rho_z, phi_x, phi_y, phi_z) in
-/// X_WC Exp(tau): rho in the unit of the trajectory, phi in rad, both along the camera's axes.
+/// X_WC Exp(tau): rho in the unit of the trajectory, phi in rad, both along the camera's axes. Where a system says it,
+/// 21 more follow, o11 to o66: the part of it that is the frame's own (FrameEstimate::own_covariance).
 
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "algorithms/core/estimate.h"
@@ -25,9 +27,11 @@ bool WriteCovariances(const std::filesystem::path& file, const std::vector<Frame
 struct StampedCovariance {
   int64_t stamp_ns = 0;
   Matrix6d covariance = Matrix6d::Zero();
+  std::optional<Matrix6d> own_covariance;
 };
 
-/// @throws BadInput naming file, line and what is wrong: not a number, stamps that do not increase.
+/// @throws BadInput naming file, line and what is wrong: not a number, stamps that do not increase, a row of
+/// fewer than 22, or of 23 to 42 fields.
 std::vector<StampedCovariance> ReadCovariances(const std::filesystem::path& file);
 
 }  // namespace gaitcam

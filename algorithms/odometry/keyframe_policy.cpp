@@ -6,24 +6,22 @@
 
 namespace gaitcam {
 
-bool KeyframePolicy::IsKeyframe(const KeyframeMap& map, const Pose& X_WC, const std::vector<LandmarkMatch>& inliers) {
-  const double count = double(inliers.size());
+bool KeyframePolicy::IsKeyframe(const SinceKeyframe& frame) {
+  const double count = frame.inliers;
   constexpr double kGain = 0.1;  // of the low-pass filter
   mean_inliers_ = mean_inliers_ > 0 ? (1 - kGain) * mean_inliers_ + kGain * count : count;
   max_inliers_ = std::max(max_inliers_, count);
   if (options_.keyframe_displacement_px == 0) return true;
-  if (waiting_frames_ == 0 && !IsDue(map, X_WC, inliers)) return false;
+  if (waiting_frames_ == 0 && !IsDue(frame)) return false;
   ++waiting_frames_;
   const bool is_nearly_lost = count < 2 * min_inliers_;
-  return count >= mean_inliers_ || is_nearly_lost || waiting_frames_ > options_.max_wait_frames;
+  return (count >= mean_inliers_ && frame.is_sharp) || is_nearly_lost || waiting_frames_ > options_.max_wait_frames;
 }
 
-bool KeyframePolicy::IsDue(const KeyframeMap& map, const Pose& X_WC, const std::vector<LandmarkMatch>& inliers) const {
-  if (mean_inliers_ < options_.keyframe_overlap * max_inliers_) return true;
-  const Pose& X_WK = map.keyframes().back();
-  if (RotationAngle(X_WK.rotation, X_WC.rotation) > options_.keyframe_turn_deg * kRadPerDeg) return true;
-  return focal_px_ * map.MedianParallax(inliers, X_WK.translation, X_WC.translation) >
-         options_.keyframe_displacement_px;
+bool KeyframePolicy::IsDue(const SinceKeyframe& frame) const {
+  return mean_inliers_ < options_.keyframe_overlap * max_inliers_ ||
+         frame.turn_rad > options_.keyframe_turn_deg * kRadPerDeg ||
+         frame.displacement_px > options_.keyframe_displacement_px;
 }
 
 void KeyframePolicy::OnKeyframe(int inliers) {

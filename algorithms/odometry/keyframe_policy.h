@@ -4,11 +4,7 @@
 
 #pragma once
 
-#include <vector>
-
 #include "algorithms/core/fields.h"
-#include "algorithms/core/pose.h"
-#include "algorithms/odometry/keyframe_map.h"
 
 namespace gaitcam {
 
@@ -30,14 +26,22 @@ void VisitFields(Visitor& visit, KeyframePolicyOptions& o) {
   visit("max_wait_frames", o.max_wait_frames, Between(0, 1000), "frames that a due keyframe waits for a good one");
 }
 
+/// A frame that has a pose, against the last keyframe.
+struct SinceKeyframe {
+  double displacement_px = 0;  ///< Median, by parallax.
+  double turn_rad = 0;
+  int inliers = 0;       ///< Of the frame.
+  bool is_sharp = true;  ///< Against those around it.
+};
+
 class KeyframePolicy {
  public:
   /// @param min_inliers with fewer than twice as many a due keyframe does not wait
-  KeyframePolicy(const KeyframePolicyOptions& options, double focal_px, int min_inliers)
-      : options_(options), focal_px_(focal_px), min_inliers_(min_inliers) {}
+  KeyframePolicy(const KeyframePolicyOptions& options, int min_inliers)
+      : options_(options), min_inliers_(min_inliers) {}
 
   /// To be asked once for every frame that has a pose.
-  bool IsKeyframe(const KeyframeMap& map, const Pose& X_WC, const std::vector<LandmarkMatch>& inliers);
+  bool IsKeyframe(const SinceKeyframe& frame);
 
   /// To be told of every keyframe.
   void OnKeyframe(int inliers);
@@ -48,10 +52,9 @@ class KeyframePolicy {
   double expected_inliers() const { return mean_inliers_ > 0 ? mean_inliers_ : keyframe_inliers_; }
 
  private:
-  bool IsDue(const KeyframeMap& map, const Pose& X_WC, const std::vector<LandmarkMatch>& inliers) const;
+  bool IsDue(const SinceKeyframe& frame) const;
 
   KeyframePolicyOptions options_;
-  double focal_px_;
   int min_inliers_;
   double keyframe_inliers_ = 0;  ///< Of the last keyframe.
   double mean_inliers_ = 0;

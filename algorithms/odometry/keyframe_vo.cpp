@@ -41,7 +41,7 @@ class KeyframeVo::Tracker {
         random_of_backlog_(seed, "backlog"),
         initializer_(camera_, options.initializer),
         localizer_(camera_.fx, options.initializer.matching.ratio, options.localizer),
-        policy_(options.policy, camera_.fx, options.localizer.min_inliers),
+        policy_(options.policy, options.localizer.min_inliers),
         map_(MapOptions(options)) {
     if (options.metric && calibration.standing) metric_.emplace(calibration);
   }
@@ -226,7 +226,10 @@ Pose KeyframeVo::Tracker::PredictPose(const Observation& observation) const {
 
 /// With a map: the map grows by a frame that has a pose in it.
 void KeyframeVo::Tracker::Extend(FrameView& view, int64_t stamp_ns) {
-  if (policy_.IsKeyframe(map_, view.X_WC, inliers_)) {
+  const Pose& X_WK = map_.keyframes().back();
+  const double parallax = map_.MedianParallax(inliers_, X_WK.translation, view.X_WC.translation);
+  const double turn_rad = RotationAngle(X_WK.rotation, view.X_WC.rotation);
+  if (policy_.IsKeyframe({camera_.fx * parallax, turn_rad, int(inliers_.size())})) {
     AddKeyframe(view);
   } else {
     map_.Refresh(view, inliers_);

@@ -5,8 +5,10 @@
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
 #include "algorithms/odometry/keyframe_vo.h"
+#include "algorithms/odometry/stereo_vo.h"
 #include "algorithms/odometry/two_view_vo.h"
 #include "algorithms/slam/floor_slam.h"
+#include "algorithms/slam/pose_slam.h"
 #include "algorithms/slam/settings.h"
 #include "algorithms/slam/topo_slam.h"
 
@@ -62,6 +64,17 @@ class TwoViewVoSystem : public System {
   TwoViewVo odometry_;
 };
 
+class StereoVoSystem : public System {
+ public:
+  explicit StereoVoSystem(const SystemSetup& setup)
+      : odometry_(setup.calibration, OptionsFrom<StereoVoOptions>(setup.settings, "stereo_vo"), setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
+  FinalEstimate Finish() override { return {odometry_.Finish(), {}, {}}; }
+
+ private:
+  StereoVo odometry_;
+};
+
 class FloorSlamSystem : public System {
  public:
   explicit FloorSlamSystem(const SystemSetup& setup)
@@ -76,6 +89,22 @@ class FloorSlamSystem : public System {
 
  private:
   FloorSlam slam_;
+};
+
+class PoseSlamSystem : public System {
+ public:
+  explicit PoseSlamSystem(const SystemSetup& setup)
+      : slam_(setup.calibration, OptionsFrom<PoseSlamOptions>(setup.settings, "pose_slam"), setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
+  FinalEstimate Finish() override {
+    FinalEstimate answer;
+    answer.frames = slam_.Finish();
+    answer.maps.emplace_back(slam_.graph());
+    return answer;
+  }
+
+ private:
+  PoseSlam slam_;
 };
 
 class TopoSlamSystem : public System {
@@ -102,6 +131,12 @@ std::vector<Entry> MakeEntries() {
       KeyframeVoWith("orb", "the odometry of mobif_vo with ORB features"),
       KeyframeVoWith("sift", "the odometry of mobif_vo with SIFT features: the plain baseline"),
       KeyframeVoWith("surf", "the odometry of mobif_vo with SURF features"),
+      {{"stereo_vo",
+        "stereo odometry with a covariance: landmarks, keyframes, a window of bundle adjustment (Valencia, chapter 2)",
+        ListFields(StereoVoOptions()),
+        {SensorNeed::kStereo},
+        false},
+       [](const SystemSetup& setup) { return std::make_unique<StereoVoSystem>(setup); }},
       {{"thesis_vo",
         "the monocular odometry of thesis 5.4: seven steps per pair of successive frames",
         ListFields(TwoViewVoOptions()),
@@ -114,6 +149,12 @@ std::vector<Entry> MakeEntries() {
         {SensorNeed::kStandingCamera},
         false},
        [](const SystemSetup& setup) { return std::make_unique<FloorSlamSystem>(setup); }},
+      {{"pose_slam",
+        "the odometry of stereo_vo, and a graph of its keyframes with loop closures and covariances",
+        ListFields(PoseSlamOptions()),
+        {SensorNeed::kStereo},
+        false},
+       [](const SystemSetup& setup) { return std::make_unique<PoseSlamSystem>(setup); }},
       {{"topo_slam",
         "a map of places seen all around, 170 bytes each; the robot scans as it asks (thesis, chapter 4)",
         ListFields(TopoSlamOptions()),

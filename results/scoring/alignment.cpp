@@ -1,10 +1,10 @@
 #include "results/scoring/alignment.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/small_solvers.h"
 
 namespace gaitcam {
 namespace {
@@ -40,13 +40,6 @@ struct Moments {
   }
 };
 
-/// The rotation nearest to a matrix in the Frobenius norm.
-Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d s(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1);
-  return svd.matrixU() * s.asDiagonal() * svd.matrixV().transpose();
-}
-
 /// The rotation about unit `axis` that, put before R, agrees best with the orientations: it maximises
 /// tr(exp(angle [axis]) R sum(R_VC R_WC^T)), which Rodrigues' formula turns into a cos + b sin + c.
 Eigen::Matrix3d TurnAboutAxis(const Eigen::Vector3d& axis, const Eigen::Matrix3d& R,
@@ -63,17 +56,16 @@ void AlignRotation(const Moments& moments, bool with_scale, AlignmentResult& res
   if (!moments.BothExtend()) {
     result.rank = 0;
     result.scale_known = false;
-    result.X_WV.rotation = NearestRotation(moments.rotation_sum);
+    result.X_WV.rotation = SvdOf(moments.rotation_sum).NearestRotation();
     return;
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(moments.covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d& d = svd.singularValues();
+  const Svd3 svd = SvdOf(moments.covariance);
+  const Eigen::Vector3d& d = svd.values;
   result.rank = int((d.array() > kMinSingularRatio * d(0)).count());
-  // Equations 39, 40 and 43: the last direction is mirrored where U V^T would not be a rotation.
-  const Eigen::Vector3d s(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1);
-  Eigen::Matrix3d R = svd.matrixU() * s.asDiagonal() * svd.matrixV().transpose();
-  if (result.rank < 2) R = TurnAboutAxis(svd.matrixU().col(0), R, moments.rotation_sum);
+  Eigen::Matrix3d R = svd.NearestRotation();
+  if (result.rank < 2) R = TurnAboutAxis(svd.U.col(0), R, moments.rotation_sum);
   result.X_WV.rotation = Eigen::Quaterniond(R).normalized();
+  const Eigen::Vector3d s(1, 1, svd.Handedness());
   if (with_scale) result.X_WV.scale = d.dot(s) / moments.variance_estimate;  // equation 42
 }
 
@@ -131,7 +123,7 @@ AlignmentResult Align(const std::vector<PosePair>& pairs, Alignment alignment) {
 
 Eigen::Quaterniond AlignOrientations(const std::vector<PosePair>& pairs) {
   GAITCAM_ASSERT(!pairs.empty());
-  return Eigen::Quaterniond(NearestRotation(Moments(pairs).rotation_sum)).normalized();
+  return Eigen::Quaterniond(SvdOf(Moments(pairs).rotation_sum).NearestRotation()).normalized();
 }
 
 std::vector<PosePair> Apply(const Similarity& X_WV, std::vector<PosePair> pairs) {

@@ -62,10 +62,11 @@ std::vector<IndexPair> Associate(const std::vector<int64_t>& truth_ns, const std
 
 /// True and estimated pose of one instant.
 struct PosePair {
-  int64_t stamp_ns = 0;                ///< The truth's.
-  Pose truth;                          ///< X_WC
-  Pose estimate;                       ///< X_VC, V being the estimator's world.
-  std::optional<Matrix6d> covariance;  ///< FrameEstimate::covariance.
+  int64_t stamp_ns = 0;                                   ///< The truth's.
+  Pose truth;                                             ///< X_WC
+  Pose estimate;                                          ///< X_VC, V being the estimator's world.
+  std::optional<Matrix6d> covariance;                     ///< FrameEstimate::covariance.
+  std::optional<Matrix6d> own_covariance = std::nullopt;  ///< FrameEstimate::own_covariance.
 };
 
 /// Pairs an answer's poses with the truth's. "interpolated": each pose with the truth at its own instant

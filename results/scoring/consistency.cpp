@@ -18,13 +18,23 @@ std::optional<double> Nees(const Vector6d& error, const Matrix6d& covariance) {
   return error.dot(cholesky.solve(error)) / 6;
 }
 
-/// A covariance of X_WA as one of X_WB, if B stands rigidly to A: tangents are moved by Ad(X_BA).
-Matrix6d Carry(const Matrix6d& covariance, const Pose& X_AB) {
-  const Matrix6d adjoint = Adjoint(X_AB.Inverse());
-  return adjoint * covariance * adjoint.transpose();
+/// What the earlier pose has of its own is not part of the later one's: it is added instead of being taken away.
+std::optional<double> NeesOfMotion(const PosePair& before, const PosePair& to) {
+  if (!to.covariance || !before.covariance) return std::nullopt;
+  const Pose truth = before.truth.Inverse() * to.truth;
+  const Pose estimate = before.estimate.Inverse() * to.estimate;
+  Matrix6d shared = *before.covariance;
+  if (before.own_covariance) shared -= 2 * *before.own_covariance;
+  return Nees(LogSe3(estimate.Inverse() * truth), *to.covariance - CarryCovariance(shared, estimate));
 }
 
 }  // namespace
+
+ChiSquareInterval ChiSquareBand(int degrees, double normal_quantile) {
+  const double variance = 2.0 / (9.0 * degrees);  // of the cube root of chi-square over its degrees
+  const auto at = [&](double quantile) { return degrees * std::pow(1 - variance + quantile * std::sqrt(variance), 3); };
+  return {at(-normal_quantile), at(normal_quantile)};
+}
 
 std::vector<NeesSample> AbsoluteNees(const std::vector<PosePair>& pairs) {
   std::vector<NeesSample> samples;
@@ -37,7 +47,7 @@ std::vector<NeesSample> AbsoluteNees(const std::vector<PosePair>& pairs) {
     }
     const Pose truth = first->truth.Inverse() * pair.truth;
     const Pose estimate = first->estimate.Inverse() * pair.estimate;
-    const Matrix6d covariance = *pair.covariance + Carry(*first->covariance, estimate);
+    const Matrix6d covariance = *pair.covariance + CarryCovariance(*first->covariance, estimate);
     if (const auto nees = Nees(LogSe3(estimate.Inverse() * truth), covariance)) {
       samples.push_back({pair.stamp_ns, *nees});
     }
@@ -52,13 +62,16 @@ std::vector<NeesSample> RelativeNees(const std::vector<PosePair>& pairs, double 
   for (const PosePair& to : pairs) {
     while (to.stamp_ns - pairs[from].stamp_ns > delta_ns + slack_ns) ++from;
     const PosePair& before = pairs[from];
-    if (to.stamp_ns - before.stamp_ns < delta_ns - slack_ns || !to.covariance || !before.covariance) continue;
-    const Pose truth = before.truth.Inverse() * to.truth;
-    const Pose estimate = before.estimate.Inverse() * to.estimate;
-    const Matrix6d covariance = *to.covariance - Carry(*before.covariance, estimate);
-    if (const auto nees = Nees(LogSe3(estimate.Inverse() * truth), covariance)) {
-      samples.push_back({to.stamp_ns, *nees});
-    }
+    if (to.stamp_ns - before.stamp_ns < delta_ns - slack_ns) continue;
+    if (const auto nees = NeesOfMotion(before, to)) samples.push_back({to.stamp_ns, *nees});
+  }
+  return samples;
+}
+
+std::vector<NeesSample> FrameNees(const std::vector<PosePair>& pairs) {
+  std::vector<NeesSample> samples;
+  for (size_t i = 1; i < pairs.size(); ++i) {
+    if (const auto nees = NeesOfMotion(pairs[i - 1], pairs[i])) samples.push_back({pairs[i].stamp_ns, *nees});
   }
   return samples;
 }

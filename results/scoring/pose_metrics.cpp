@@ -220,7 +220,11 @@ std::vector<PoseMetric> ConsistencyMetrics(const ScoreOptions& options) {
           {"nees" + suffix, "", Better::kNearOne, kGroup, "the same of the motion over " + interval,
            [](const auto& m) { return m.nees_relative; }},
           {"nees_in_band_ratio" + suffix, "", Better::kNeither, kGroup, "part of these motions within the band",
-           [](const auto& m) { return m.nees_relative_in_band; }}};
+           [](const auto& m) { return m.nees_relative_in_band; }},
+          {"nees_1f", "", Better::kNearOne, kGroup, "the same of the motion from frame to frame",
+           [](const auto& m) { return m.nees_frame; }},
+          {"nees_in_band_ratio_1f", "", Better::kNeither, kGroup, "part of these motions within the band",
+           [](const auto& m) { return m.nees_frame_in_band; }}};
 }
 
 /// Only of the frames and the truth: the same for both answers.
@@ -238,6 +242,9 @@ void MeasureUncertainty(const PoseErrors& errors, const ScoreOptions& options, P
   m.nees_in_band = ShareInBand(absolute);
   m.nees_relative = MeanNees(relative);
   m.nees_relative_in_band = ShareInBand(relative);
+  const std::vector<NeesSample> per_frame = FrameNees(errors.pairs);
+  m.nees_frame = MeanNees(per_frame);
+  m.nees_frame_in_band = ShareInBand(per_frame);
 }
 
 }  // namespace
@@ -282,7 +289,7 @@ PoseMeasures MeasureCoverageAlone(const Coverage& coverage, size_t pairs, const 
   m.relative.assign(IntervalsOf(options).size(), {none, none, none});
   m.drift = m.drift_sim3 = {kNaN, kNaN, kNaN};
   m.scale_ratio = m.scale_drift_pct_per_m = m.largest_jump_m = m.time_offset_ms = kNaN;
-  m.nees = m.nees_in_band = m.nees_relative = m.nees_relative_in_band = kNaN;
+  m.nees = m.nees_in_band = m.nees_relative = m.nees_relative_in_band = m.nees_frame = m.nees_frame_in_band = kNaN;
   m.turn = {kNaN, kNaN};
   return m;
 }

@@ -38,7 +38,8 @@ struct PoseMeasures {
   size_t jumps = 0;                                                                 ///< FindJumps, under Sim(3).
   double largest_jump_m = 0;                                                        ///< 0 without one.
   double time_offset_ms = 0;                                                        ///< EstimateTimeOffsetMs.
-  double nees = 0, nees_in_band = 0, nees_relative = 0, nees_relative_in_band = 0;  ///< NaN without covariances.
+  double nees = 0, nees_in_band = 0, nees_relative = 0, nees_relative_in_band = 0;  ///< NaN without covariances,
+  double nees_frame = 0, nees_frame_in_band = 0;                                    ///< likewise.
 };
 
 /// @pre at least one pair.

@@ -3,6 +3,7 @@
 #include "results/scoring/floor_pose.h"
 #include "results/scoring/floor_score.h"
 #include "results/scoring/place_graph_score.h"
+#include "results/scoring/pose_graph_score.h"
 #include "results/scoring/pose_metrics.h"
 
 namespace gaitcam {
@@ -17,6 +18,7 @@ std::vector<Score> MapScoreCatalogue() {
   std::vector<Score> catalogue = NamesOf(FloorMetrics({}));
   for (const Score& score : NamesOf(FloorPoseMetrics())) catalogue.push_back(score);
   for (const Score& score : NamesOf(PlaceGraphMetrics())) catalogue.push_back(score);
+  for (const Score& score : NamesOf(PoseGraphMetrics())) catalogue.push_back(score);
   return catalogue;
 }
 

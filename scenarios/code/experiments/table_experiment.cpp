@@ -59,6 +59,10 @@ const std::vector<ExperimentEntry>& ListExperiments() {
        "gaitcam experiment localisation --out results/localisation_seed1.md\n"
        "gaitcam experiment localisation --set localisation.wavelet.prefilter=0.5",
        MakeLocalisationTable},
+      {"nees", "whether stereo points and motions know their errors: the chapter's tests, repeated, and a map",
+       "gaitcam experiment nees --out results/nees.md\n"
+       "gaitcam experiment nees --repeats 100 --trials 50",
+       MakeStereoConsistency},
       {"odometry", "systems on the recorded walks of studies, with a picture of the paths",
        "gaitcam experiment odometry scenarios/studies/odometry_lab_loop.yaml --seeds 2 --out results/odometry.md",
        MakeRecordedOdometry},

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "algorithms/core/units.h"
+#include "algorithms/geometry/stereo_reconstruction.h"
 #include "algorithms/io/checksum.h"
 #include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
@@ -104,6 +105,16 @@ std::optional<Eigen::Vector3d> StartOf(const ResolvedScenario& resolved) {
 }
 
 /// Fails where the setting stands that `message` ("mobif_vo.ratio: ...") names; else where the system does.
+/// Two cameras that are no rig are told here, before anything is filmed.
+void CheckRig(const OptionValue& root, const Scenario& scenario) {
+  if (!(scenario.camera.stereo.baseline_m > 0)) return;
+  try {
+    StereoRig::Of(CameraRig(scenario.camera, scenario.seed).MakeCalibration());
+  } catch (const BadInput& e) {
+    FailAtSetting(root.Child("camera"), "stereo", e.what());
+  }
+}
+
 [[noreturn]] void FailAtSystem(const OptionValue& root, const std::string& message) {
   const size_t dot = message.find('.'), colon = message.find(':');
   const bool names_setting = dot < colon && colon != std::string::npos;
@@ -159,6 +170,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     if (!SaysNothing(scenario.calibration_error))
       root.Child("calibration_error").Fail("a localisation knows none; expected no such block beside `localisation`");
   }
+  CheckRig(root, scenario);
   const OptionValue system = root.Has("system") ? root.Child("system") : root;
   ResolveFiles(system, root.folder(), scenario.system);
   try {

@@ -9,8 +9,10 @@
 #include "algorithms/io/landmark_map_file.h"
 #include "algorithms/io/occupancy_grid_file.h"
 #include "algorithms/io/place_graph_file.h"
+#include "algorithms/io/pose_graph_file.h"
 #include "results/reports/report_graph.h"
 #include "results/reports/report_map.h"
+#include "results/reports/report_poses.h"
 #include "results/scoring/floor_pose.h"
 #include "results/scoring/place_graph_score.h"
 #include "scenarios/code/runs/mapped_floor.h"
@@ -71,6 +73,18 @@ MapResult ResultOf(const LandmarkMap& map, const MapContext&) {
 MapResult ResultOf(const OccupancyGrid& map, const MapContext&) {
   MapResult result;
   result.write = [&map](const fs::path& folder) { WriteOccupancyGrid(folder / "grid.yaml", map); };
+  return result;
+}
+
+MapResult ResultOf(const PoseGraph& map, const MapContext& context) {
+  const auto comparison = std::make_shared<const PoseGraphComparison>(ComparePoseGraph(map, context.truth));
+  MapResult result;
+  result.scores = comparison->scores;
+  result.write = [&map](const fs::path& folder) { WritePoseGraph(folder / "graph.g2o", map); };
+  if (!context.poses.HasPoses()) return result;
+  result.section = [comparison, &map, &truth = context.truth, X_WV = context.poses.last.se3.X_WV] {
+    return PoseGraphReportSection(*comparison, map, truth, X_WV);
+  };
   return result;
 }
 

@@ -40,6 +40,9 @@ MapResult ResultOf(const LandmarkMap& map, const MapContext& context);
 /// grid.png and grid.yaml, as ROS's map_server reads them.
 MapResult ResultOf(const OccupancyGrid& map, const MapContext& context);
 
+/// graph.g2o.
+MapResult ResultOf(const PoseGraph& map, const MapContext& context);
+
 /// Of each map in turn. The results refer to `maps` and to the true trajectory, which must outlive them.
 std::vector<MapResult> ResultsOf(const std::vector<Map>& maps, const MapContext& context);
 

@@ -163,15 +163,24 @@ Image GetImage(const Json& json, const SharedFrames& frames, int64_t stamp_ns) {
   return {stamp_ns, shared.clone()};
 }
 
+Json JsonOf(const Matrix6d& covariance) {
+  Json rows = Json::array();
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column) rows.push_back(covariance(row, column));
+  }
+  return rows;
+}
+
+Matrix6d CovarianceOf(const Json& json, const char* name) {
+  const std::vector<double> values = Numbers(json, 36, name);
+  return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values.data());
+}
+
 Json JsonOf(const FrameEstimate& frame) {
   Json json{{"status", ToString(frame.status)}};
   if (frame.pose) json["pose"] = JsonOf(*frame.pose);
-  if (frame.covariance) {
-    Json& rows = json["covariance"] = Json::array();
-    for (int row = 0; row < 6; ++row) {
-      for (int column = 0; column < 6; ++column) rows.push_back((*frame.covariance)(row, column));
-    }
-  }
+  if (frame.covariance) json["covariance"] = JsonOf(*frame.covariance);
+  if (frame.own_covariance) json["own_covariance"] = JsonOf(*frame.own_covariance);
   if (frame.restarted) json["restarted"] = true;
   json["features"] = frame.features;
   json["inliers"] = frame.inliers;
@@ -194,9 +203,10 @@ FrameEstimate EstimateOf(const Json& json, int64_t stamp_ns) {
   if (frame.status == TrackingStatus::kTracking) {
     if (!json.contains("pose")) throw BadInput("status is tracking and there is no pose");
     frame.pose = PoseOf(json.at("pose"), "pose");
-    if (json.contains("covariance")) {
-      const std::vector<double> values = Numbers(json.at("covariance"), 36, "covariance");
-      frame.covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values.data());
+    if (json.contains("covariance")) frame.covariance = CovarianceOf(json.at("covariance"), "covariance");
+    if (json.contains("own_covariance")) {
+      if (!frame.covariance) throw BadInput("own_covariance is a part of covariance, which is not there");
+      frame.own_covariance = CovarianceOf(json.at("own_covariance"), "own_covariance");
     }
   }
   frame.restarted = json.value("restarted", false);

@@ -48,6 +48,18 @@ TEST(Consistency, OfAnHonestOdometryIsOne) {
   EXPECT_NEAR(MeanOverWalks(1, false), 1, 0.15);
 }
 
+TEST(Consistency, ChiSquareBandsAreThoseOfTables) {
+  for (const auto& [degrees, low, high] : {std::tuple{30, 16.791, 46.979}, {100, 74.222, 129.561}}) {
+    const ChiSquareInterval band = ChiSquareBand(degrees);
+    EXPECT_NEAR(band.low, low, 1e-3 * low);
+    EXPECT_NEAR(band.high, high, 1e-3 * high);
+    EXPECT_TRUE(band.Contains(degrees));
+    EXPECT_FALSE(band.Contains(high + 1));
+    EXPECT_FALSE(band.Contains(low - 1));
+  }
+  EXPECT_NEAR(ChiSquareBand(100, 1.644854).high, 124.342, 0.1);  // 95 % from below
+}
+
 TEST(Consistency, GoesWithTheSquareOfWhatIsClaimed) {
   const std::vector<PosePair> honest = Odometry(1, 1), bold = Odometry(1, 0.5);
   EXPECT_NEAR(MeanNees(AbsoluteNees(bold)) / MeanNees(AbsoluteNees(honest)), 4, 1e-3);

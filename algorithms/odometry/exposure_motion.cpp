@@ -1,0 +1,87 @@
+#include "algorithms/odometry/exposure_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "algorithms/core/units.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr int kSteps = 17;  // of an exposure
+
+/// Its square times an acceleration over 24 is the distance of the mean of a motion from its middle.
+double MeanOffset(double seconds) { return seconds * seconds / 24; }
+
+}  // namespace
+
+void ExposureMotion::Add(const Observation& observation) {
+  const int64_t half_ns = std::llround(0.5 * observation.exposure_ms * kNsPerMs);
+  stamp_ns_ = observation.stamp_ns;
+  open_ns_ = stamp_ns_ - half_ns;
+  close_ns_ = stamp_ns_ + half_ns;
+  constexpr int64_t kMargin_ns = 10'000'000;
+  const int64_t from_ns = std::min(open_ns_, poses_.empty() ? open_ns_ : poses_.back().stamp_ns) - kMargin_ns;
+  std::erase_if(readings_, [&](const ImuSample& reading) { return reading.stamp_ns < from_ns; });
+  readings_.insert(readings_.end(), observation.imu.begin(), observation.imu.end());
+}
+
+void ExposureMotion::AddPose(int64_t stamp_ns, const Pose& X_WC) {
+  poses_.push_back({stamp_ns, X_WC});
+  if (poses_.size() < 3) return;
+  if (poses_.size() > 3) poses_.erase(poses_.begin());
+  const double before_s = double(poses_[1].stamp_ns - poses_[0].stamp_ns) * 1e-9;
+  const double after_s = double(poses_[2].stamp_ns - poses_[1].stamp_ns) * 1e-9;
+  if (!(before_s > 0) || !(after_s > 0)) return;
+  const Vector6d before = Minus(poses_[1].pose, poses_[0].pose) / before_s;
+  const Vector6d after = Minus(poses_[2].pose, poses_[1].pose) / after_s;
+  const Vector6d acceleration = 2 * (after - before) / (before_s + after_s);
+  constexpr double kGain = 0.2;  // of the low-pass filter
+  acceleration2_ += kGain * (acceleration.head<3>().squaredNorm() / 3 - acceleration2_);
+  turn_acceleration2_ += kGain * (acceleration.tail<3>().squaredNorm() / 3 - turn_acceleration2_);
+}
+
+std::vector<ExposureRotation> ExposureMotion::Rotations() const {
+  if (close_ns_ <= open_ns_) return {};
+  if (HasGyro()) return IntegrateRotation(readings_, imu_, open_ns_, close_ns_, kSteps);
+  if (poses_.size() < 2) return {};
+  const StampedPose &from = poses_[poses_.size() - 2], &to = poses_.back();
+  const Eigen::Vector3d rate =
+      LogSo3(from.pose.rotation.conjugate() * to.pose.rotation) / (double(to.stamp_ns - from.stamp_ns) * 1e-9);
+  std::vector<ExposureRotation> rotations;
+  for (int i = 0; i < kSteps; ++i) {
+    const int64_t at_ns = open_ns_ + (close_ns_ - open_ns_) * i / (kSteps - 1);
+    rotations.push_back({at_ns, ExpSo3(-rate * (double(at_ns - stamp_ns_) * 1e-9))});
+  }
+  return rotations;
+}
+
+Eigen::Quaterniond ExposureMotion::TurnSinceLastPose() const {
+  if (!HasGyro() || poses_.empty() || poses_.back().stamp_ns >= stamp_ns_) return Eigen::Quaterniond::Identity();
+  const auto turns = IntegrateRotation(readings_, imu_, poses_.back().stamp_ns, stamp_ns_, 2);
+  return turns.front().rotation * turns.back().rotation.conjugate();
+}
+
+Eigen::Matrix3d ExposureMotion::TurnSpread() const {
+  const std::vector<ExposureRotation> rotations = Rotations();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const ExposureRotation& r : rotations) mean += LogSo3(r.rotation) / double(rotations.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const ExposureRotation& r : rotations) {
+    const Eigen::Vector3d turn = LogSo3(r.rotation) - mean;
+    spread += turn * turn.transpose() / double(rotations.size());
+  }
+  return spread;
+}
+
+Matrix6d ExposureMotion::UnknownMotion(double part) const {
+  constexpr double kExtent2PerSpread = 12;
+  const double offset = MeanOffset(double(close_ns_ - open_ns_) * 1e-9);
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal().head<3>().setConstant(acceleration2_ * offset * offset);
+  covariance.bottomRightCorner<3, 3>() = part * part * kExtent2PerSpread * TurnSpread();
+  if (!HasGyro()) covariance.diagonal().tail<3>().array() += turn_acceleration2_ * offset * offset;
+  return covariance;
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,62 @@
+/// How exactly a detector locates a key point in an image that may be blurred: a covariance per key point.
+///
+/// The variance of a position is the sum of what a sharp image leaves, of what grows with the key point's scale, and of
+/// a share of the blur: more along the motion, where the image has lost its detail, than across.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "algorithms/core/camera.h"
+#include "algorithms/core/fields.h"
+#include "algorithms/features/psf_inertial.h"
+
+namespace gaitcam {
+
+struct KeypointNoiseOptions {
+  using DescribedTag = void;
+
+  double sigma_px = 0.06;            ///< Standard deviation of each coordinate, px, of the smallest key point ...
+  double sigma_per_size = 0.016;     ///< ... what each px of a key point's diameter makes of it ...
+  double sigma_per_blur = 0.08;      ///< ... each px of blur along the motion ...
+  double sigma_across_blur = 0.025;  ///< ... and across it.
+  /// What all key points of a frame have in common, as if it had turned: part of its turn over the exposure.
+  double common_per_blur = 0.05;
+  double offset_scale = 1.5;  ///< Of the smoothing in BlurOffset, in diameters of the key point.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, KeypointNoiseOptions& o) {
+  visit("sigma_px", o.sigma_px, Between(0.001, 100.0), "standard deviation of the smallest key point's position, px");
+  visit("sigma_per_size", o.sigma_per_size, Between(0.0, 10.0), "what each px of a key point's diameter makes of it");
+  visit("sigma_per_blur", o.sigma_per_blur, Between(0.0, 10.0), "each px of blur, along the motion");
+  visit("sigma_across_blur", o.sigma_across_blur, Between(0.0, 10.0), "each px of blur, across the motion");
+  visit("common_per_blur", o.common_per_blur, Between(0.0, 10.0),
+        "each px of blur, along the motion, of all key points of a frame alike");
+  visit("offset_scale", o.offset_scale, Between(0.1, 10.0),
+        "a blurred point is seen where its light, smoothed so, peaks");
+}
+
+/// How the light of one point was spread: the covariance, px^2, of where its image was while the shutter was open. Of a
+/// uniform straight motion by b px it is b^2 / 12 along it.
+/// @param rotations of this camera over the exposure
+/// @param pixel where it was at mid-exposure
+Eigen::Matrix2d BlurSpread(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
+                           const Eigen::Vector2d& pixel);
+
+/// Where a detector sees a point whose image moved, against where it was at mid-exposure, px. A blob filter of the key
+/// point's scale answers most where the light, smoothed by that scale, is densest: for a coarse key point that is the
+/// path's mean, for a fine one where the image lingered.
+/// @param pixel near where it was at mid-exposure
+/// @param sigma_px scale of the key point
+Eigen::Vector2d BlurOffset(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
+                           const Eigen::Vector2d& pixel, double sigma_px);
+
+/// px^2, of the key point's position.
+/// @param spread as of BlurSpread
+Eigen::Matrix2d KeypointCovariance(const cv::KeyPoint& keypoint, const Eigen::Matrix2d& spread,
+                                   const KeypointNoiseOptions& options);
+
+}  // namespace gaitcam

@@ -1,0 +1,109 @@
+/// The map of a stereo odometry: keyframes of the rig and landmarks, points of the world with a covariance, refined
+/// together over the latest keyframes (algorithms/geometry/stereo_bundle.h). With them is refined how the right camera
+/// stands to the left one, where that is not taken as exact.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "algorithms/core/pose.h"
+#include "algorithms/core/se3.h"
+#include "algorithms/geometry/rig_pose.h"
+#include "algorithms/geometry/stereo_bundle.h"
+#include "algorithms/odometry/stereo_view.h"
+
+namespace gaitcam {
+
+/// A landmark's images in one keyframe.
+struct StereoObservation {
+  int keyframe = 0;
+  RigSighting images;  ///< Its point is not used.
+};
+
+struct StereoLandmark {
+  Eigen::Vector3d p_W;
+  Eigen::Matrix3d covariance_W;  ///< The keyframes taken as exact.
+  std::vector<StereoObservation> observations;
+  cv::Mat descriptor;    ///< One row, of the last keyframe that saw it; empty once it is retired.
+  cv::Mat latest;        ///< One row, of the last frame that saw it; empty if that is the keyframe.
+  bool retired = false;  ///< No keyframe of the window sees it: it stays as it is and is searched for no more.
+};
+
+/// Which landmark is which left feature of a view.
+struct StereoMatch {
+  int landmark = -1;
+  int feature = -1;
+};
+
+struct StereoMapOptions {
+  int window = 10;            ///< Keyframes refined together, >= 2.
+  int adjust_iterations = 8;  ///< Largest number of iterations of one adjustment.
+  double outlier_sigmas = 3.5;
+  double rig_rotation_deg = 0;  ///< Standard deviation of X_LR's rotation as calibrated, per axis; 0: exact.
+};
+
+class StereoMap {
+ public:
+  StereoMap(const StereoRig& rig, const StereoMapOptions& options);
+
+  /// Adds a keyframe: `matches` become observations, every other left feature that has a partner a new landmark. Then
+  /// the window is refined.
+  /// @param use of each match, what its images are good for
+  /// @param own covariance of X_WC by this frame's images alone
+  void AddKeyframe(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches,
+                   const std::vector<SightingUse>& use, const Matrix6d& own);
+
+  /// Updates the landmarks' latest descriptors from a frame that is no keyframe.
+  void Refresh(const StereoView& view, const std::vector<StereoMatch>& matches);
+
+  /// Landmarks whose images near `X_WC` look like features of the view; no feature is used twice.
+  /// @param radius in normalised coordinates, about where each is expected
+  std::vector<StereoMatch> SearchNear(const StereoView& view, const Pose& X_WC, double radius, double ratio) const;
+  /// By descriptors alone.
+  std::vector<StereoMatch> SearchAnywhere(const StereoView& view, double ratio) const;
+
+  /// A match as a sighting of the landmark as it is now.
+  RigSighting SightingOf(const StereoView& view, const StereoMatch& match) const;
+
+  /// Retires all landmarks: the next keyframe is the first of another map in the same world.
+  void Clear();
+
+  const StereoRig& rig() const { return rig_; }  ///< X_LR as refined so far.
+  const std::vector<Pose>& keyframes() const { return keyframes_; }
+  const std::vector<StereoLandmark>& landmarks() const { return landmarks_; }
+  bool IsEmpty() const { return first_keyframe_ == int(keyframes_.size()); }
+  /// Index of the oldest keyframe that can still move.
+  int WindowBegin() const;
+
+  /// Of each keyframe, the covariance of its pose that comes with the map: what grows from keyframe to keyframe and all
+  /// frames in between share. The first is exact, being the world.
+  const std::vector<Matrix6d>& shared_covariances() const { return shared_; }
+
+ private:
+  struct Window;
+  Window MakeWindow() const;
+  void Adjust();
+  void TakeOver(const Window& window, const StereoBundleResult& result);
+  void RemoveOutliers(const Window& window, const StereoBundleResult& result);
+  void LearnRig(const StereoBundleResult& result);
+  void GrowShared(const StereoBundleResult& result);
+  void AddLandmarks(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches);
+  bool IsKnown(const StereoLandmark& landmark) const;
+  void RetireUnseen();
+
+  StereoRig rig_;
+  StereoMapOptions options_;
+  Pose prior_X_LR_;
+  Matrix6d rig_covariance_;  ///< Of prior_X_LR_.
+  int prior_keyframe_ = 0;   ///< Whose window the prior came from.
+  std::vector<Pose> keyframes_;
+  std::vector<Matrix6d> shared_;
+  std::vector<Matrix6d> own_;  ///< Of each keyframe, the error of its own images.
+  int first_keyframe_ = 0;     ///< Of the present map.
+  std::vector<StereoLandmark> landmarks_;
+  std::vector<int> active_;  ///< Those that are not retired.
+};
+
+}  // namespace gaitcam

@@ -1,0 +1,70 @@
+/// A frame of a stereo rig: the features of both images, their rays, how exactly each is known, and which are images of
+/// the same point.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/features2d.hpp>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/fields.h"
+#include "algorithms/core/observation.h"
+#include "algorithms/features/features.h"
+#include "algorithms/geometry/stereo_reconstruction.h"
+#include "algorithms/odometry/keypoint_noise.h"
+
+namespace gaitcam {
+
+struct StereoMatchingOptions {
+  using DescribedTag = void;
+
+  double stereo_ratio = 0.85;      ///< Nearest over second nearest descriptor distance along an epipolar line.
+  double epipolar_px = 2.0;        ///< Largest distance from the epipolar line ...
+  double epipolar_sigmas = 3.0;    ///< ... to which so many standard deviations of the features are added.
+  double least_distance_m = 0.15;  ///< Nothing is nearer to the rig: sets the largest disparity.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, StereoMatchingOptions& o) {
+  visit("stereo_ratio", o.stereo_ratio, Between(0.1, 1.0), "ratio test between candidates along an epipolar line");
+  visit("epipolar_px", o.epipolar_px, Between(0.1, 100.0), "largest distance from the epipolar line, px");
+  visit("epipolar_sigmas", o.epipolar_sigmas, Between(0.0, 100.0), "standard deviations that are added to it");
+  visit("least_distance_m", o.least_distance_m, Between(0.001, 100.0), "nothing is nearer to the rig");
+}
+
+/// Features of one image.
+struct CameraFeatures {
+  Features features;                           ///< One per place and scale: what has several orientations is one.
+  std::vector<Eigen::Vector2d> pixel;          ///< Of the key point, at mid-exposure ...
+  std::vector<Eigen::Vector2d> xy;             ///< ... and in normalised coordinates, distortion undone.
+  std::vector<Eigen::Matrix2d> covariance_px;  ///< Of the pixel, px^2 ...
+  std::vector<Eigen::Matrix2d> covariance;     ///< ... and of xy.
+
+  size_t size() const { return xy.size(); }
+};
+
+struct StereoView {
+  CameraFeatures left, right;
+  std::vector<int> partner;  ///< Of each left feature the right one; -1: none.
+
+  StereoSighting Sighting(size_t i) const;
+  /// Of all left features that have a partner.
+  std::vector<StereoSighting> Sightings() const;
+};
+
+/// Detects, describes and undistorts.
+/// @throws BadInput if the image's size is not the camera's; `which` names it.
+CameraFeatures DetectInCamera(const cv::Mat& image, const CameraModel& camera, const std::string& which,
+                              cv::Feature2D& detector, int max_features);
+
+/// Moves each feature to where its point was at mid-exposure, and says how exactly it is known.
+/// @param rotations of this camera over the exposure; empty: as if nothing had moved
+void UndoBlur(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
+              const KeypointNoiseOptions& noise, CameraFeatures& features);
+
+/// Pairs left and right features along epipolar lines, each other's nearest by descriptors.
+std::vector<int> MatchStereo(const StereoRig& rig, const CameraFeatures& left, const CameraFeatures& right,
+                             const StereoMatchingOptions& options);
+
+}  // namespace gaitcam

@@ -1,0 +1,402 @@
+#include "algorithms/odometry/stereo_vo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/core/median.h"
+#include "algorithms/core/random.h"
+#include "algorithms/features/matching.h"
+#include "algorithms/odometry/exposure_motion.h"
+#include "algorithms/odometry/stereo_map.h"
+
+namespace gaitcam {
+namespace {
+
+StereoMapOptions MapOptions(const StereoVoOptions& o) {
+  StereoMapOptions options;
+  options.window = o.window;
+  options.adjust_iterations = o.adjust_iterations;
+  constexpr double kSlack = 0.5;  // what a pose was estimated from is not removed at once
+  options.outlier_sigmas = o.outlier_sigmas + kSlack;
+  options.rig_rotation_deg = o.rig_rotation_deg;
+  return options;
+}
+
+/// A pose, and how its error comes from that of each landmark.
+struct LandmarkGains {
+  Pose X_WC;
+  std::map<int, Eigen::Matrix<double, 6, 3>> by_landmark;
+};
+
+/// What landmarks add to the motion between two frames: of those that both use much cancels.
+Matrix6d DifferenceOfLandmarks(const LandmarkGains& before, const LandmarkGains& now,
+                               const std::vector<StereoLandmark>& landmarks) {
+  std::map<int, Eigen::Matrix<double, 6, 3>> gains = now.by_landmark;
+  const Matrix6d carry = Adjoint(now.X_WC.Inverse() * before.X_WC);
+  for (const auto& [landmark, gain] : before.by_landmark) {
+    const auto [at, is_new] = gains.try_emplace(landmark, Eigen::Matrix<double, 6, 3>::Zero());
+    at->second -= carry * gain;
+  }
+  Matrix6d covariance = Matrix6d::Zero();
+  for (const auto& [landmark, gain] : gains) {
+    covariance += gain * landmarks[size_t(landmark)].covariance_W * gain.transpose();
+  }
+  return covariance;
+}
+
+}  // namespace
+
+class StereoVo::Tracker {
+ public:
+  Tracker(const Calibration& calibration, const StereoVoOptions& options, uint64_t seed)
+      : rig_(StereoRig::Of(calibration)),
+        options_(options),
+        detector_(MakeFeature2d(options.feature, options.sensitivity)),
+        random_(seed, "stereo_vo"),
+        motion_(calibration.imu, options.use_imu),
+        policy_(options.policy, options.min_inliers),
+        map_(rig_, MapOptions(options)) {
+    pose_options_.outlier_sigmas = options.outlier_sigmas;
+  }
+
+  FrameEstimate Track(const Observation& observation);
+  std::vector<FrameEstimate> Finish();
+  Pose X_LR() const { return map_.rig().X_LR; }
+  const StereoMap& map() const { return map_; }
+  const StereoView* keyframe_view() const { return keyframe_view_ ? &*keyframe_view_ : nullptr; }
+
+ private:
+  /// A frame as the final estimate needs it.
+  struct Record {
+    FrameEstimate answer;
+    int keyframe = -1;  ///< The latest when it was tracked; -1: no pose.
+    Pose X_KC;
+    Matrix6d unknown_motion = Matrix6d::Zero();
+    std::vector<std::pair<int, RigSighting>> sightings;  ///< By landmark; the landmarks' positions are looked up.
+  };
+  /// A pose in the map.
+  struct Localized {
+    RigPoseResult result;
+    std::vector<StereoMatch> matches;
+  };
+
+  bool IsUsable(const Observation& observation) const;
+  std::optional<StereoView> View(const Observation& observation);
+  void RefuseSwapped(const StereoView& view) const;
+  bool Begin(const StereoView& view, Record& record);
+  bool Localize(const StereoView& view, Record& record);
+  std::optional<Localized> FindPose(const StereoView& view);
+  std::optional<Localized> Refined(const StereoView& view, const Localized& rough) const;
+  std::vector<RigSighting> Sightings(const StereoView& view, const std::vector<StereoMatch>& matches) const;
+  Pose PredictPose() const;
+  SinceKeyframe CompareWithKeyframe(const Localized& found) const;
+  void Extend(const StereoView& view, const Localized& found);
+  void Lose(Record& record);
+  void NoteBlur();
+
+  void Answer(const RigPoseResult& result, const std::vector<int>& landmarks, LandmarkGains& before,
+              Record& record) const;
+  void FinishBefore(int keyframe);
+  void FinishRecord(Record& record);
+
+  StereoRig rig_;  ///< As calibrated.
+  StereoVoOptions options_;
+  RigPoseOptions pose_options_;
+  cv::Ptr<cv::Feature2D> detector_;
+  RandomStream random_;
+  ExposureMotion motion_;
+  KeyframePolicy policy_;
+  StereoMap map_;
+  std::optional<StereoView> keyframe_view_;  ///< Of the frame tracked last, if it became a keyframe.
+
+  std::optional<StampedPose> last_;  ///< The last known pose.
+  int lost_frames_ = 0;
+  std::deque<double> blurs_;    ///< Spread of the turn over the exposure, of the latest frames.
+  bool is_sharp_ = true;        ///< The present frame is among the sharper ones of these.
+  LandmarkGains live_, final_;  ///< Of the last frame, tracked and finished.
+  std::vector<Record> records_;
+  size_t finished_ = 0;  ///< So many of the records.
+};
+
+FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
+  Record record;
+  record.answer.stamp_ns = observation.stamp_ns;
+  motion_.Add(observation);
+  keyframe_view_.reset();
+  if (const auto view = View(observation)) {
+    record.answer.features = int(view->left.size());
+    record.unknown_motion = motion_.UnknownMotion(options_.noise.common_per_blur);
+    NoteBlur();
+    if (!(map_.IsEmpty() ? Begin(*view, record) : Localize(*view, record))) Lose(record);
+  } else {
+    Lose(record);
+  }
+  records_.push_back(std::move(record));
+  FinishBefore(map_.WindowBegin());
+  return records_.back().answer;
+}
+
+/// A frame may lack its right image, or have a late one: it has no pose then. The first one may not.
+bool StereoVo::Tracker::IsUsable(const Observation& observation) const {
+  constexpr int64_t kSameInstant_ns = 1'000'000;
+  std::string wrong;
+  if (!observation.right) {
+    wrong = "there is no right image";
+  } else if (std::abs(observation.right->stamp_ns - observation.image.stamp_ns) > kSameInstant_ns) {
+    wrong = "the right image's stamp is " + std::to_string(observation.right->stamp_ns - observation.image.stamp_ns) +
+            " ns after the left one's; a stereo pair is of one instant, within 1000000 ns";
+  }
+  if (!wrong.empty() && records_.empty()) throw BadInput("the first frame: " + wrong);
+  return wrong.empty();
+}
+
+std::optional<StereoView> StereoVo::Tracker::View(const Observation& observation) {
+  if (!IsUsable(observation)) return {};
+  StereoView view;
+  const auto detect = [&](const Image& image, const CameraModel& camera, const std::string& which) {
+    return DetectInCamera(image.pixels, camera, which, *detector_, options_.max_features);
+  };
+  view.left = detect(observation.image, rig_.left, "left");
+  view.right = detect(*observation.right, rig_.right, "right");
+  const std::vector<ExposureRotation> rotations = motion_.Rotations();
+  UndoBlur(rig_.left, rotations, options_.noise, view.left);
+  std::vector<ExposureRotation> of_right = rotations;
+  const Eigen::Quaterniond R_LR = map_.rig().X_LR.rotation;
+  for (ExposureRotation& r : of_right) r.rotation = R_LR.conjugate() * r.rotation * R_LR;
+  UndoBlur(rig_.right, of_right, options_.noise, view.right);
+  view.partner = MatchStereo(map_.rig(), view.left, view.right, options_.stereo);
+  if (records_.empty()) RefuseSwapped(view);
+  return view;
+}
+
+/// By descriptors alone, wherever partners lie.
+void StereoVo::Tracker::RefuseSwapped(const StereoView& view) const {
+  if (view.left.size() == 0 || view.right.size() == 0) return;
+  std::vector<StereoSighting> sightings;
+  for (const Match& match : MatchDescriptors(view.left.features.descriptors, view.right.features.descriptors, {})) {
+    const size_t l = size_t(match.a), r = size_t(match.b);
+    sightings.push_back(
+        {view.left.pixel[l], view.right.pixel[r], view.left.covariance_px[l], view.right.covariance_px[r]});
+  }
+  if (TellImageOrder(rig_, sightings) == ImageOrder::kSwapped) {
+    throw BadInput(
+        "the first frame: left and right images are swapped: most points are seen further right by the "
+        "right camera, which the calibration puts to the right");
+  }
+}
+
+/// The first keyframe of a map, where the last known pose was.
+bool StereoVo::Tracker::Begin(const StereoView& view, Record& record) {
+  const int pairs = int(std::count_if(view.partner.begin(), view.partner.end(), [](int p) { return p >= 0; }));
+  if (pairs < options_.min_inliers) return false;
+  map_.AddKeyframe(view, PredictPose(), {}, {}, Matrix6d::Zero());
+  keyframe_view_ = view;
+  policy_.OnKeyframe(pairs);
+  record.keyframe = int(map_.keyframes().size()) - 1;
+  record.answer.status = TrackingStatus::kTracking;
+  record.answer.inliers = pairs;
+  record.answer.restarted = record.keyframe > 0;
+  const Pose X_WC = map_.keyframes().back();
+  record.answer.pose = X_WC;
+  record.answer.own_covariance = record.unknown_motion;
+  record.answer.covariance = map_.shared_covariances().back() + record.unknown_motion;
+  live_ = final_ = {X_WC, {}};
+  last_ = {record.answer.stamp_ns, X_WC};
+  motion_.AddPose(record.answer.stamp_ns, X_WC);
+  lost_frames_ = 0;
+  return true;
+}
+
+bool StereoVo::Tracker::Localize(const StereoView& view, Record& record) {
+  const auto found = FindPose(view);
+  if (!found) return false;
+  record.keyframe = int(map_.keyframes().size()) - 1;
+  const Pose& X_WC = found->result.X_WC;
+  record.X_KC = map_.keyframes().back().Inverse() * X_WC;
+  std::vector<int> landmarks;
+  for (size_t m = 0; m < found->matches.size(); ++m) {
+    landmarks.push_back(found->matches[m].landmark);
+    if (found->result.use[m] == SightingUse::kNone) continue;
+    RigSighting sighting = map_.SightingOf(view, found->matches[m]);
+    sighting.has_right &= found->result.use[m] == SightingUse::kBoth;
+    record.sightings.emplace_back(found->matches[m].landmark, sighting);
+  }
+  Answer(found->result, landmarks, live_, record);
+  last_ = {record.answer.stamp_ns, X_WC};
+  motion_.AddPose(record.answer.stamp_ns, X_WC);
+  lost_frames_ = 0;
+  Extend(view, *found);
+  return true;
+}
+
+/// From the prediction, or from anywhere.
+std::optional<StereoVo::Tracker::Localized> StereoVo::Tracker::FindPose(const StereoView& view) {
+  const Pose guess = PredictPose();
+  const double f = rig_.left.fx;
+  for (const bool anywhere : {false, true}) {
+    Localized rough;
+    rough.matches = anywhere ? map_.SearchAnywhere(view, options_.ratio)
+                             : map_.SearchNear(view, guess, options_.search_px / f, options_.ratio);
+    const auto result = EstimateRigPose(Sightings(view, rough.matches), map_.rig().X_LR, guess, options_.min_inliers,
+                                        pose_options_, random_);
+    if (!result) continue;
+    rough.result = *result;
+    if (auto refined = Refined(view, rough)) return refined;
+  }
+  return {};
+}
+
+/// Searched again near where the landmarks project from a pose.
+std::optional<StereoVo::Tracker::Localized> StereoVo::Tracker::Refined(const StereoView& view,
+                                                                       const Localized& rough) const {
+  Localized refined;
+  const double nearby_ratio = 0.5 + 0.5 * options_.ratio;  // a narrow search leaves few rivals
+  refined.matches = map_.SearchNear(view, rough.result.X_WC, options_.narrow_px / rig_.left.fx, nearby_ratio);
+  const auto result = RefineRigPose(Sightings(view, refined.matches), map_.rig().X_LR, rough.result.X_WC,
+                                    options_.min_inliers, pose_options_);
+  if (!result) return {};
+  refined.result = *result;
+  return refined;
+}
+
+std::vector<RigSighting> StereoVo::Tracker::Sightings(const StereoView& view,
+                                                      const std::vector<StereoMatch>& matches) const {
+  std::vector<RigSighting> sightings;
+  for (const StereoMatch& match : matches) sightings.push_back(map_.SightingOf(view, match));
+  return sightings;
+}
+
+Pose StereoVo::Tracker::PredictPose() const {
+  if (!last_) return {};
+  return last_->pose * Pose(motion_.TurnSinceLastPose(), {0, 0, 0});
+}
+
+SinceKeyframe StereoVo::Tracker::CompareWithKeyframe(const Localized& found) const {
+  const Pose& X_WK = map_.keyframes().back();
+  const Pose& X_WC = found.result.X_WC;
+  std::vector<double> angles;
+  for (size_t m = 0; m < found.matches.size(); ++m) {
+    if (found.result.use[m] == SightingUse::kNone) continue;
+    const Eigen::Vector3d ray = map_.landmarks()[size_t(found.matches[m].landmark)].p_W - X_WC.translation;
+    angles.push_back(ray.cross(X_WC.translation - X_WK.translation).norm() / ray.squaredNorm());
+  }
+  return {rig_.left.fx * UpperMedian(std::move(angles)), RotationAngle(X_WK.rotation, X_WC.rotation),
+          found.result.inliers, is_sharp_};
+}
+
+void StereoVo::Tracker::Extend(const StereoView& view, const Localized& found) {
+  if (policy_.IsKeyframe(CompareWithKeyframe(found))) {
+    map_.AddKeyframe(view, found.result.X_WC, found.matches, found.result.use, found.result.covariance_own);
+    keyframe_view_ = view;
+    policy_.OnKeyframe(found.result.inliers);
+    return;
+  }
+  std::vector<StereoMatch> inliers;
+  for (size_t m = 0; m < found.matches.size(); ++m) {
+    if (found.result.use[m] != SightingUse::kNone) inliers.push_back(found.matches[m]);
+  }
+  map_.Refresh(view, inliers);
+}
+
+/// A step of a walk takes some ten frames: one of three is taken to be sharp.
+void StereoVo::Tracker::NoteBlur() {
+  constexpr size_t kFrames = 12;
+  constexpr double kSharpShare = 0.35;
+  const double blur = motion_.TurnSpread().trace();
+  blurs_.push_back(blur);
+  if (blurs_.size() > kFrames) blurs_.pop_front();
+  const auto sharper = std::count_if(blurs_.begin(), blurs_.end(), [&](double other) { return other < blur; });
+  is_sharp_ = double(sharper) <= kSharpShare * double(blurs_.size());
+}
+
+void StereoVo::Tracker::Lose(Record& record) {
+  record.answer.status = last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
+  if (last_) record.answer.predicted = PredictPose();
+  live_.by_landmark.clear();
+  if (!map_.IsEmpty() && ++lost_frames_ > options_.max_lost_frames) map_.Clear();
+}
+
+/// Fills a record's answer.
+/// @param landmarks of each sighting of `result`
+/// @param before of the frame before; of this one afterwards
+void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<int>& landmarks, LandmarkGains& before,
+                               Record& record) const {
+  LandmarkGains now{result.X_WC, {}};
+  for (size_t i = 0; i < landmarks.size(); ++i) {
+    if (result.use[i] != SightingUse::kNone) now.by_landmark[landmarks[i]] = result.by_point[i];
+  }
+  constexpr double kOfTwoFrames = 0.5;
+  const Matrix6d own = result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(before, now, map_.landmarks());
+  const Pose X_KC = map_.keyframes()[size_t(record.keyframe)].Inverse() * result.X_WC;
+  FrameEstimate& answer = record.answer;
+  answer.status = TrackingStatus::kTracking;
+  answer.pose = result.X_WC;
+  answer.inliers = result.inliers;
+  answer.own_covariance = own + record.unknown_motion;
+  answer.covariance =
+      *answer.own_covariance + CarryCovariance(map_.shared_covariances()[size_t(record.keyframe)], X_KC);
+  before = std::move(now);
+}
+
+/// Frames whose keyframe can move no more get their final pose; what they saw is no longer needed.
+void StereoVo::Tracker::FinishBefore(int keyframe) {
+  for (; finished_ < records_.size() && records_[finished_].keyframe < keyframe; ++finished_) {
+    FinishRecord(records_[finished_]);
+  }
+}
+
+void StereoVo::Tracker::FinishRecord(Record& record) {
+  if (record.keyframe < 0) {
+    final_.by_landmark.clear();
+    return;
+  }
+  std::vector<RigSighting> sightings;
+  std::vector<int> landmarks;
+  for (auto& [landmark, sighting] : record.sightings) {
+    sighting.p_W = map_.landmarks()[size_t(landmark)].p_W;
+    sighting.covariance_W = map_.landmarks()[size_t(landmark)].covariance_W;
+    sightings.push_back(sighting);
+    landmarks.push_back(landmark);
+  }
+  const Pose guess = map_.keyframes()[size_t(record.keyframe)] * record.X_KC;
+  const auto result = RefineRigPose(sightings, map_.rig().X_LR, guess, options_.min_inliers, pose_options_);
+  if (result) {
+    Answer(*result, landmarks, final_, record);
+  } else {
+    record.answer.pose = guess;
+    final_ = {guess, {}};
+  }
+  record.sightings = {};
+}
+
+std::vector<FrameEstimate> StereoVo::Tracker::Finish() {
+  FinishBefore(int(map_.keyframes().size()));
+  std::vector<FrameEstimate> frames;
+  for (const Record& record : records_) frames.push_back(record.answer);
+  return frames;
+}
+
+StereoVo::StereoVo(const Calibration& calibration, const StereoVoOptions& options, uint64_t seed) {
+  CheckFields(options, "stereo_vo.");
+  StereoRig::Of(calibration).Check();
+  tracker_ = std::make_unique<Tracker>(calibration, options, seed);
+}
+
+StereoVo::~StereoVo() = default;
+
+FrameEstimate StereoVo::Track(const Observation& observation) { return tracker_->Track(observation); }
+
+std::vector<FrameEstimate> StereoVo::Finish() { return tracker_->Finish(); }
+
+Pose StereoVo::X_LR() const { return tracker_->X_LR(); }
+
+const StereoMap& StereoVo::map() const { return tracker_->map(); }
+
+const StereoView* StereoVo::keyframe_view() const { return tracker_->keyframe_view(); }
+
+}  // namespace gaitcam

@@ -1,0 +1,51 @@
+#include "algorithms/slam/stereo_loops.h"
+
+#include "algorithms/core/errors.h"
+#include "algorithms/features/matching.h"
+#include "algorithms/geometry/rig_pose.h"
+
+namespace gaitcam {
+
+StereoLoops::StereoLoops(const StereoLoopOptions& options, uint64_t seed)
+    : options_(options), random_(seed, "stereo_loops") {}
+
+void StereoLoops::Keep(int keyframe, const StereoView& view, const StereoRig& rig) {
+  constexpr double kOneDimension2 = 3.5 * 3.5;  // of a right match's reprojection error, squared
+  Points points;
+  std::vector<cv::Mat> rows;
+  for (size_t i = 0; i < view.left.size(); ++i) {
+    if (view.partner[i] < 0) continue;
+    const StereoPoint point = ReconstructPoint(rig, view.Sighting(i));
+    if (!point.ok() || point.squared_error > kOneDimension2) continue;
+    points.p_F.push_back(point.p_L);
+    points.covariance.push_back(point.covariance);
+    rows.push_back(view.left.features.descriptors.row(int(i)));
+  }
+  if (!rows.empty()) cv::vconcat(rows, points.descriptors);
+  kept_[keyframe] = std::move(points);
+}
+
+std::optional<LoopMotion> StereoLoops::Match(int keyframe, const StereoView& view, const StereoRig& rig,
+                                             const Pose& guess) {
+  const auto kept = kept_.find(keyframe);
+  GAITCAM_ASSERT(kept != kept_.end());
+  const Points& points = kept->second;
+  MatchingOptions matching;
+  matching.ratio = options_.loop_ratio;
+  std::vector<RigSighting> sightings;
+  for (const gaitcam::Match& match : MatchDescriptors(points.descriptors, view.left.features.descriptors, matching)) {
+    const size_t p = size_t(match.a), i = size_t(match.b);
+    RigSighting sighting{points.p_F[p], points.covariance[p], view.left.xy[i], view.left.covariance[i]};
+    if (const int r = view.partner[i]; r >= 0) {
+      sighting.has_right = true;
+      sighting.right = view.right.xy[size_t(r)];
+      sighting.covariance_right = view.right.covariance[size_t(r)];
+    }
+    sightings.push_back(sighting);
+  }
+  const auto found = EstimateRigPose(sightings, rig.X_LR, guess, options_.loop_inliers, {}, random_);
+  if (!found || 100 * found->inliers < options_.loop_inlier_pct * double(sightings.size())) return std::nullopt;
+  return LoopMotion{found->X_WC, found->covariance, found->inliers, int(sightings.size())};
+}
+
+}  // namespace gaitcam

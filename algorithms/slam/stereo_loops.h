@@ -1,0 +1,64 @@
+/// Loop closures of a stereo rig: what is kept of a keyframe so that it can be matched with a later one, and the motion
+/// between two such frames by descriptors and geometry alone.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "algorithms/core/fields.h"
+#include "algorithms/core/random.h"
+#include "algorithms/core/se3.h"
+#include "algorithms/geometry/stereo_reconstruction.h"
+#include "algorithms/odometry/stereo_view.h"
+
+namespace gaitcam {
+
+struct StereoLoopOptions {
+  using DescribedTag = void;
+
+  double loop_ratio = 0.8;      ///< Nearest over second nearest descriptor distance.
+  int loop_inliers = 30;        ///< Fewer points that agree with one motion are no loop.
+  double loop_inlier_pct = 25;  ///< Nor is a smaller part of the matches.
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, StereoLoopOptions& o) {
+  visit("loop_ratio", o.loop_ratio, Between(0.1, 1.0), "ratio test between two keyframes");
+  visit("loop_inliers", o.loop_inliers, Between(6, 100000), "points that must agree with one motion");
+  visit("loop_inlier_pct", o.loop_inlier_pct, Between(0, 100), "... and which part of the matches");
+}
+
+/// X_FT, from a kept frame to the present one.
+struct LoopMotion {
+  Pose X_FT;
+  Matrix6d covariance;
+  int inliers = 0, matches = 0;
+};
+
+class StereoLoops {
+ public:
+  StereoLoops(const StereoLoopOptions& options, uint64_t seed);
+
+  /// Keeps the points that a keyframe's two images show, and their descriptors.
+  void Keep(int keyframe, const StereoView& view, const StereoRig& rig);
+  void Drop(int keyframe) { kept_.erase(keyframe); }
+
+  /// The motion from a kept keyframe to a view, if the two show the same. @param guess of X_FT, one hypothesis of many.
+  std::optional<LoopMotion> Match(int keyframe, const StereoView& view, const StereoRig& rig, const Pose& guess);
+
+ private:
+  struct Points {
+    std::vector<Eigen::Vector3d> p_F;
+    std::vector<Eigen::Matrix3d> covariance;
+    cv::Mat descriptors;
+  };
+  StereoLoopOptions options_;
+  RandomStream random_;
+  std::map<int, Points> kept_;
+};
+
+}  // namespace gaitcam
