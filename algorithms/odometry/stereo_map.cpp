@@ -82,6 +82,7 @@ void StereoMap::AddKeyframe(const StereoView& view, const Pose& X_WC, const std:
                             const std::vector<SightingUse>& use, const Matrix6d& own) {
   const int keyframe = int(keyframes_.size());
   shared_.push_back(Matrix6d::Zero());
+  grown_.push_back(Matrix6d::Zero());
   if (keyframe > 0) shared_.back() = CarryCovariance(shared_[size_t(keyframe) - 1], keyframes_.back().Inverse() * X_WC);
   keyframes_.push_back(X_WC);
   own_.push_back(own);
@@ -201,7 +202,16 @@ void StereoMap::GrowShared(const StereoBundleResult& result) {
   const Matrix6d& whole = result.camera_covariances.back();
   const Pose X_ON = keyframes_[oldest].Inverse() * keyframes_[newest];
   const Matrix6d grown = whole - own_[newest] - CarryCovariance(own_[oldest], X_ON);
-  shared_[newest] += PositivePart(grown, whole) / double(newest - oldest);
+  grown_[newest] = PositivePart(grown, whole) / double(newest - oldest);
+  shared_[newest] += grown_[newest];
+}
+
+Matrix6d StereoMap::GrownBetween(int from, int to) const {
+  Matrix6d sum = Matrix6d::Zero();
+  const Pose X_TW = keyframes_[size_t(to)].Inverse();
+  for (int k = from + 1; k <= to; ++k)
+    sum += CarryCovariance(grown_[size_t(k)], (X_TW * keyframes_[size_t(k)]).Inverse());
+  return sum;
 }
 
 /// Its distance from the camera is known to a part of it: observations that were given up may leave too few.

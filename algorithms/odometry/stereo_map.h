@@ -80,6 +80,8 @@ class StereoMap {
   /// Of each keyframe, the covariance of its pose that comes with the map: what grows from keyframe to keyframe and all
   /// frames in between share. The first is exact, being the world.
   const std::vector<Matrix6d>& shared_covariances() const { return shared_; }
+  /// The part of it that grew between two keyframes, as a covariance of their relative pose. Positive semidefinite.
+  Matrix6d GrownBetween(int from, int to) const;
 
  private:
   struct Window;
@@ -100,8 +102,9 @@ class StereoMap {
   int prior_keyframe_ = 0;   ///< Whose window the prior came from.
   std::vector<Pose> keyframes_;
   std::vector<Matrix6d> shared_;
-  std::vector<Matrix6d> own_;  ///< Of each keyframe, the error of its own images.
-  int first_keyframe_ = 0;     ///< Of the present map.
+  std::vector<Matrix6d> grown_;  ///< At each keyframe, what shared_ grew by there.
+  std::vector<Matrix6d> own_;    ///< Of each keyframe, the error of its own images.
+  int first_keyframe_ = 0;       ///< Of the present map.
   std::vector<StereoLandmark> landmarks_;
   std::vector<int> active_;  ///< Those that are not retired.
 };

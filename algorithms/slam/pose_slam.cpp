@@ -12,8 +12,8 @@ namespace {
 
 /// Where the odometry lost track between two keyframes: what it assumes is known to this.
 constexpr double kLostSigma_m = 0.5, kLostSigma_rad = 0.3;
-/// Keeps a link between two keyframes that stand still invertible: 0.01 mm and 0.0001 deg.
-constexpr double kLeastSigma_m = 1e-5, kLeastSigma_rad = 2e-6;
+/// What a link is uncertain by at least, so that it has an inverse: 0.1 mm and 0.001 deg.
+constexpr double kLeastSigma_m = 1e-4, kLeastSigma_rad = 1.7e-5;
 
 Matrix6d Isotropic(double sigma_m, double sigma_rad) {
   Vector6d sigma;
@@ -93,12 +93,9 @@ GraphLink PoseSlam::OdometryLink(size_t node) const {
   const int from = keyframes_[node - 1], to = keyframes_[node];
   const StereoMap& map = odometry_.map();
   const Pose X_FT = map.keyframes()[size_t(from)].Inverse() * map.keyframes()[size_t(to)];
-  // What is shared grows from keyframe to keyframe, independently.
-  const Matrix6d grown =
-      map.shared_covariances()[size_t(to)] - CarryCovariance(map.shared_covariances()[size_t(from)], X_FT);
   const bool lost = std::find(begins_.begin() + from + 1, begins_.begin() + to + 1, true) != begins_.begin() + to + 1;
-  const Matrix6d floor = lost ? Isotropic(kLostSigma_m, kLostSigma_rad) : Isotropic(kLeastSigma_m, kLeastSigma_rad);
-  return {int(node) - 1, int(node), X_FT, grown + floor, false, 1};
+  const Matrix6d least = lost ? Isotropic(kLostSigma_m, kLostSigma_rad) : Isotropic(kLeastSigma_m, kLeastSigma_rad);
+  return {int(node) - 1, int(node), X_FT, map.GrownBetween(from, to) + least, false, 1};
 }
 
 /// The last node at or before a keyframe.
