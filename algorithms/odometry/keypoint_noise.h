@@ -18,13 +18,16 @@ namespace gaitcam {
 struct KeypointNoiseOptions {
   using DescribedTag = void;
 
-  double sigma_px = 0.06;            ///< Standard deviation of each coordinate, px, of the smallest key point ...
-  double sigma_per_size = 0.016;     ///< ... what each px of a key point's diameter makes of it ...
+  double sigma_px = 0.1;             ///< Standard deviation of each coordinate, px, of the smallest key point ...
+  double sigma_per_size = 0.02;      ///< ... what each px of a key point's diameter makes of it ...
   double sigma_per_blur = 0.08;      ///< ... each px of blur along the motion ...
-  double sigma_across_blur = 0.025;  ///< ... and across it.
+  double sigma_across_blur = 0.035;  ///< ... and across it.
   /// What all key points of a frame have in common, as if it had turned: part of its turn over the exposure.
   double common_per_blur = 0.05;
-  double offset_scale = 1.5;  ///< Of the smoothing in BlurOffset, in diameters of the key point.
+  /// Errors of key points hang together where they lie near each other: so many count as one in a pose's covariance,
+  double points_per_error = 2.5;
+  double points_per_error_blur = 2.0;  ///< and so many more with each px of blur.
+  double offset_scale = 1.5;           ///< Of the smoothing in BlurOffset, in diameters of the key point.
 };
 
 template <class Visitor>
@@ -35,6 +38,9 @@ void VisitFields(Visitor& visit, KeypointNoiseOptions& o) {
   visit("sigma_across_blur", o.sigma_across_blur, Between(0.0, 10.0), "each px of blur, across the motion");
   visit("common_per_blur", o.common_per_blur, Between(0.0, 10.0),
         "each px of blur, along the motion, of all key points of a frame alike");
+  visit("points_per_error", o.points_per_error, Between(1.0, 1e4),
+        "key points whose errors hang together so that they count as one in a pose's covariance");
+  visit("points_per_error_blur", o.points_per_error_blur, Between(0.0, 1e3), "and so many more with each px of blur");
   visit("offset_scale", o.offset_scale, Between(0.1, 10.0),
         "a blurred point is seen where its light, smoothed so, peaks");
 }

@@ -201,7 +201,7 @@ void StereoMap::GrowShared(const StereoBundleResult& result) {
   const Matrix6d& whole = result.camera_covariances.back();
   const Pose X_ON = keyframes_[oldest].Inverse() * keyframes_[newest];
   const Matrix6d grown = whole - own_[newest] - CarryCovariance(own_[oldest], X_ON);
-  shared_[newest] += PositivePart(grown, whole) / double(newest - oldest);
+  shared_[newest] += options_.points_per_error * PositivePart(grown, whole) / double(newest - oldest);
 }
 
 /// Its distance from the camera is known to a part of it: observations that were given up may leave too few.
