@@ -75,7 +75,7 @@ class StereoVo::Tracker {
     int keyframe = -1;  ///< The latest when it was tracked; -1: no pose.
     Pose X_KC;
     Matrix6d unknown_motion = Matrix6d::Zero();
-    double points_per_error = 1;                         ///< Key points whose errors count as one.
+    double residuals_share = 1;
     std::vector<std::pair<int, RigSighting>> sightings;  ///< By landmark; the landmarks' positions are looked up.
   };
   /// A pose in the map.
@@ -127,8 +127,8 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
     record.answer.features = int(view->left.size());
     record.unknown_motion = motion_.UnknownMotion(options_.noise.common_per_blur);
     NoteBlur();
-    record.points_per_error =
-        options_.noise.points_per_error + options_.noise.points_per_error_blur * rig_.left.fx * motion_.Extent();
+    record.residuals_share =
+        options_.noise.residuals_share + options_.noise.hidden_per_blur * rig_.left.fx * motion_.Extent();
     if (!(map_.IsEmpty() ? Begin(*view, record) : Localize(*view, record))) Lose(record);
   } else {
     Lose(record);
@@ -290,10 +290,10 @@ void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<in
   for (size_t i = 0; i < landmarks.size(); ++i) {
     if (result.use[i] != SightingUse::kNone) now.by_landmark[landmarks[i]] = result.by_point[i];
   }
-  constexpr double kOfTwoFrames = 0.5;
-  const Matrix6d independent =
-      result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(before, now, map_.landmarks());
-  const Matrix6d own = record.points_per_error * independent;
+  // What the model says of the images, and of the landmarks that only one of two frames uses, is the least there is.
+  constexpr double kOfTwoFrames = 0.5, kLeastShare = 0.1;
+  const Matrix6d modelled = result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(before, now, map_.landmarks());
+  const Matrix6d own = record.residuals_share * result.covariance_by_residuals + kLeastShare * modelled;
   const Pose X_KC = map_.keyframes()[size_t(record.keyframe)].Inverse() * result.X_WC;
   FrameEstimate& answer = record.answer;
   answer.status = TrackingStatus::kTracking;
