@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "algorithms/geometry/absolute_pose.h"
 #include "algorithms/geometry/ransac.h"
@@ -126,6 +128,7 @@ class RigPoseProblem {
     result.use = use;
     result.by_point.assign(use.size(), Eigen::Matrix<double, 6, 3>::Zero());
     Matrix6d H = Matrix6d::Zero(), own = Matrix6d::Zero();
+    std::map<std::pair<int, int>, Vector6d> cells;  // sum of J' r of each
     double error2 = 0;
     int rows = 0;
     ForEach(use, X_WC, [&](size_t i, const LinearSighting& linear, double weight) {
@@ -133,6 +136,10 @@ class RigPoseProblem {
       H += weight * J.transpose() * J;
       own += weight * weight * J.transpose() * linear.whitened_covariance.topLeftCorner(linear.rows, linear.rows) * J;
       result.by_point[i] = -weight * J.transpose() * linear.J_point.topRows(linear.rows);
+      const Eigen::Vector2d& at = sightings_[i].left;
+      const std::pair cell(int(std::floor(at.x() / options_.cell)), int(std::floor(at.y() / options_.cell)));
+      cells.try_emplace(cell, Vector6d::Zero()).first->second +=
+          weight * J.transpose() * linear.residual.head(linear.rows);
       error2 += linear.error2;
       rows += linear.rows;
       ++result.inliers;
@@ -143,6 +150,11 @@ class RigPoseProblem {
     if (!inverse.allFinite()) return {};
     result.covariance_own = inverse * own * inverse;
     result.covariance = result.covariance_own;
+    Matrix6d by_cell = Matrix6d::Zero();
+    for (const auto& [cell, sum] : cells) by_cell += sum * sum.transpose();
+    // The fit has taken six numbers from the residuals, and so few cells say little: an inverse of 7 fewer is unbiased.
+    const double count = double(cells.size());
+    result.covariance_by_residuals = count / std::max(1.0, count - 7) * (inverse * by_cell * inverse);
     for (size_t i = 0; i < use.size(); ++i) {
       if (use[i] == SightingUse::kNone) continue;
       result.by_point[i] = (inverse * result.by_point[i]).eval();

@@ -34,6 +34,7 @@ struct RigPoseOptions {
   int rounds = 4;               ///< Of choosing inliers and refining over them.
   double ransac_sigmas = 4.0;   ///< Threshold of a hypothesis's inliers, of the left image's residual.
   int ransac_samples = 200;
+  double cell = 0.12;  ///< Side of the parts of the left image whose residuals hang together, normalised coordinates.
 };
 
 struct RigPoseResult {
@@ -42,6 +43,10 @@ struct RigPoseResult {
   std::vector<SightingUse> use;                ///< Of each sighting.
   Matrix6d covariance = Matrix6d::Zero();      ///< Of X_WC, all errors taken together.
   Matrix6d covariance_own = Matrix6d::Zero();  ///< The part of the images' errors: what no other frame shares.
+  /// Of X_WC, by the residuals themselves instead of what was said of them: those near each other in the image hang
+  /// together, those of different parts of it do not (the "sandwich" with clusters: K.-Y. Liang and S. Zeger, 1986).
+  /// Points' errors are in it, too, as far as they show.
+  Matrix6d covariance_by_residuals = Matrix6d::Zero();
   /// How the pose's tangent moves with each point: d tau / d p_W; zero for those that are not used. With the points'
   /// covariances these make the rest of `covariance`.
   std::vector<Eigen::Matrix<double, 6, 3>> by_point;

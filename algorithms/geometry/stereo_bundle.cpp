@@ -29,13 +29,6 @@ struct RigBundleStep {
   double gain = 0;
 };
 
-/// A residual in standard deviations.
-struct WhitenedResidual {
-  Eigen::Vector2d residual;
-  Eigen::Matrix<double, 2, 6> by_camera, by_rig;
-  Eigen::Matrix<double, 2, 3> by_point;
-};
-
 class RigBundleEquations {
  public:
   RigBundleEquations(const StereoBundleProblem& problem, const StereoBundleOptions& options);

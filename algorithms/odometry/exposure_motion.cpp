@@ -8,7 +8,8 @@
 namespace gaitcam {
 namespace {
 
-constexpr int kSteps = 17;  // of an exposure
+constexpr int kSteps = 17;                // of an exposure
+constexpr double kExtent2PerSpread = 12;  // of a uniform turn
 
 /// Its square times an acceleration over 24 is the distance of the mean of a motion from its middle.
 double MeanOffset(double seconds) { return seconds * seconds / 24; }
@@ -74,8 +75,9 @@ Eigen::Matrix3d ExposureMotion::TurnSpread() const {
   return spread;
 }
 
+double ExposureMotion::Extent() const { return std::sqrt(kExtent2PerSpread * TurnSpread().trace()); }
+
 Matrix6d ExposureMotion::UnknownMotion(double part) const {
-  constexpr double kExtent2PerSpread = 12;
   const double offset = MeanOffset(double(close_ns_ - open_ns_) * 1e-9);
   Matrix6d covariance = Matrix6d::Zero();
   covariance.diagonal().head<3>().setConstant(acceleration2_ * offset * offset);

@@ -36,6 +36,8 @@ class ExposureMotion {
 
   /// Covariance over the exposure of the turn against its middle, rad^2. Of a uniform turn by a it is a^2 / 12.
   Eigen::Matrix3d TurnSpread() const;
+  /// The length of a uniform turn of this spread, rad.
+  double Extent() const;
   /// Covariance of a pose at mid-exposure that comes from the part of the motion during the exposure that is not known:
   /// of the accelerations that the latest poses show, and a part of the turn over the exposure: where in a smeared
   /// image a detector sees its key points, it sees them alike all over the image.

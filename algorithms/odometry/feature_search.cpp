@@ -6,6 +6,7 @@ namespace gaitcam {
 
 NearestFeature DescriptorSearch::Find(const cv::Mat& descriptor, const cv::Mat& latest,
                                       const std::vector<int>& candidates) {
+  if (candidates.empty()) return {};
   DescriptorDistances(descriptor, descriptors_, candidates, distances_);
   if (!latest.empty()) {
     DescriptorDistances(latest, descriptors_, candidates, of_latest_);

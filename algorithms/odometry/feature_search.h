@@ -90,4 +90,17 @@ class DescriptorSearch {
   std::vector<float> distances_, of_latest_;  ///< Of the candidates.
 };
 
+/// Of the landmarks that want a feature, the one observed most often gets it, so that tracks are long: several may be
+/// the same point of the world.
+struct LandmarkClaim {
+  int landmark = -1;
+  size_t observations = 0;
+  double distance = std::numeric_limits<double>::infinity();
+
+  bool Beats(const LandmarkClaim& other) const {
+    if (observations != other.observations) return observations > other.observations;
+    return distance < other.distance;
+  }
+};
+
 }  // namespace gaitcam

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <opencv2/core.hpp>
 
 #include "algorithms/features/matching.h"
@@ -13,19 +12,7 @@ namespace gaitcam {
 std::vector<LandmarkMatch> SearchNear(const KeyframeMap& map, const FrameView& view, const Pose& X_WC,
                                       const LandmarkSearchOptions& options) {
   const FeatureGrid grid(view.xy, std::max(0.02, options.radius));
-  // Several landmarks may be the same point of the world: the one observed most often gets the feature, so that tracks
-  // are long.
-  struct Claim {
-    int landmark = -1;
-    size_t observations = 0;
-    double distance = std::numeric_limits<double>::infinity();
-
-    bool Beats(const Claim& other) const {
-      if (observations != other.observations) return observations > other.observations;
-      return distance < other.distance;
-    }
-  };
-  std::vector<Claim> claims(view.xy.size());
+  std::vector<LandmarkClaim> claims(view.xy.size());
   DescriptorSearch search(view.xy, view.features.descriptors, options.ratio, options.same_point);
   const InverseDepthCamera camera(X_WC);
   std::vector<Eigen::Matrix3d> R_WA;
@@ -42,8 +29,8 @@ std::vector<LandmarkMatch> SearchNear(const KeyframeMap& map, const FrameView& v
               [&](int i) { candidates.push_back(i); });
     const NearestFeature found = search.Find(landmark.descriptor, landmark.latest, candidates);
     if (found.feature < 0) continue;
-    const Claim claim = {int(l), landmark.observations.size(), found.distance};
-    Claim& present = claims[size_t(found.feature)];
+    const LandmarkClaim claim = {int(l), landmark.observations.size(), found.distance};
+    LandmarkClaim& present = claims[size_t(found.feature)];
     if (present.landmark < 0 || claim.Beats(present)) present = claim;
   }
   std::vector<LandmarkMatch> matches;

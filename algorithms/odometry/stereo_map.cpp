@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "algorithms/core/units.h"
 #include "algorithms/features/matching.h"
@@ -30,18 +29,6 @@ Matrix6d PositivePart(const Matrix6d& part, const Matrix6d& whole) {
   const Matrix6d V = L * eigen.eigenvectors();
   return V * values.asDiagonal() * V.transpose();
 }
-
-/// Of the landmarks that want a feature, the one observed most often gets it, so that tracks are long.
-struct Claim {
-  int landmark = -1;
-  size_t observations = 0;
-  double distance = std::numeric_limits<double>::infinity();
-
-  bool Beats(const Claim& other) const {
-    if (observations != other.observations) return observations > other.observations;
-    return distance < other.distance;
-  }
-};
 
 }  // namespace
 
@@ -202,7 +189,7 @@ void StereoMap::GrowShared(const StereoBundleResult& result) {
   const Matrix6d& whole = result.camera_covariances.back();
   const Pose X_ON = keyframes_[oldest].Inverse() * keyframes_[newest];
   const Matrix6d grown = whole - own_[newest] - CarryCovariance(own_[oldest], X_ON);
-  grown_[newest] = PositivePart(grown, whole) / double(newest - oldest);
+  grown_[newest] = options_.points_per_error * PositivePart(grown, whole) / double(newest - oldest);
   shared_[newest] += grown_[newest];
 }
 
@@ -255,7 +242,7 @@ std::vector<StereoMatch> StereoMap::SearchNear(const StereoView& view, const Pos
   const FeatureGrid grid(view.left.xy, std::max(kLeastCell, radius));
   DescriptorSearch search(view.left.xy, view.left.features.descriptors, ratio, kSamePoint_px / rig_.left.fx);
   const Pose X_CW = X_WC.Inverse();
-  std::vector<Claim> claims(view.left.size());
+  std::vector<LandmarkClaim> claims(view.left.size());
   std::vector<int> candidates;
   for (const int l : active_) {
     const StereoLandmark& landmark = landmarks_[size_t(l)];
@@ -267,7 +254,7 @@ std::vector<StereoMatch> StereoMap::SearchNear(const StereoView& view, const Pos
               [&](int i) { candidates.push_back(i); });
     const NearestFeature found = search.Find(landmark.descriptor, landmark.latest, candidates);
     if (found.feature < 0) continue;
-    const Claim claim = {l, landmark.observations.size(), found.distance};
+    const LandmarkClaim claim = {l, landmark.observations.size(), found.distance};
     if (claims[size_t(found.feature)].landmark < 0 || claim.Beats(claims[size_t(found.feature)])) {
       claims[size_t(found.feature)] = claim;
     }

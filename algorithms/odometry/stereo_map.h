@@ -41,6 +41,7 @@ struct StereoMapOptions {
   int window = 10;            ///< Keyframes refined together, >= 2.
   int adjust_iterations = 8;  ///< Largest number of iterations of one adjustment.
   double outlier_sigmas = 3.5;
+  double points_per_error = 1;  ///< Points whose errors hang together so that they count as one.
   double rig_rotation_deg = 0;  ///< Standard deviation of X_LR's rotation as calibrated, per axis; 0: exact.
 };
 

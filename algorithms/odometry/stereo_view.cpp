@@ -4,12 +4,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numeric>
 #include <set>
 #include <string>
 #include <tuple>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/features/matching.h"
 #include "algorithms/odometry/feature_search.h"
 
 namespace gaitcam {
@@ -96,6 +98,43 @@ CameraFeatures DetectInCamera(const cv::Mat& image, const CameraModel& camera, c
     found.xy.push_back(camera.Unproject(found.pixel.back()).head<2>());
   }
   return found;
+}
+
+bool IsPair(const Observation& observation, bool is_first) {
+  constexpr int64_t kSameInstant_ns = 1'000'000;
+  std::string wrong;
+  if (!observation.right) {
+    wrong = "there is no right image";
+  } else if (std::abs(observation.right->stamp_ns - observation.image.stamp_ns) > kSameInstant_ns) {
+    wrong = "the right image's stamp is " + std::to_string(observation.right->stamp_ns - observation.image.stamp_ns) +
+            " ns after the left one's; a stereo pair is of one instant, within 1000000 ns";
+  }
+  if (!wrong.empty() && is_first) throw BadInput("the first frame: " + wrong);
+  return wrong.empty();
+}
+
+StereoView DetectInBoth(const Observation& observation, const StereoRig& rig, cv::Feature2D& detector,
+                        int max_features) {
+  StereoView view;
+  view.left = DetectInCamera(observation.image.pixels, rig.left, "left", detector, max_features);
+  view.right = DetectInCamera(observation.right->pixels, rig.right, "right", detector, max_features);
+  return view;
+}
+
+void RefuseSwapped(const StereoRig& rig, const StereoView& view) {
+  if (view.left.size() == 0 || view.right.size() == 0) return;
+  std::vector<StereoSighting> sightings;
+  for (const Match& match : MatchDescriptors(view.left.features.descriptors, view.right.features.descriptors, {})) {
+    const size_t l = size_t(match.a), r = size_t(match.b);
+    sightings.push_back(
+        {view.left.pixel[l], view.right.pixel[r], view.left.covariance_px[l], view.right.covariance_px[r]});
+  }
+  if (TellImageOrder(rig, sightings) == ImageOrder::kSwapped) {
+    throw BadInput(
+        "the first frame: left and right images are swapped: the right camera, which the calibration puts to the "
+        "right, "
+        "sees most points further right");
+  }
 }
 
 void UndoBlur(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,

@@ -58,6 +58,18 @@ struct StereoView {
 CameraFeatures DetectInCamera(const cv::Mat& image, const CameraModel& camera, const std::string& which,
                               cv::Feature2D& detector, int max_features);
 
+/// Whether a frame has both images, of one instant (within 1 ms).
+/// @throws BadInput saying what is wrong instead, if it is the first frame: then it is the rig that is wrong, or its
+/// files, and not a moment.
+bool IsPair(const Observation& observation, bool is_first);
+
+/// Both images' features; partners are not looked for. @pre IsPair. @throws BadInput as DetectInCamera.
+StereoView DetectInBoth(const Observation& observation, const StereoRig& rig, cv::Feature2D& detector,
+                        int max_features);
+
+/// @throws BadInput if left and right images are swapped, as their matches by descriptors alone tell. @pre UndoBlur.
+void RefuseSwapped(const StereoRig& rig, const StereoView& view);
+
 /// Moves each feature to where its point was at mid-exposure, and says how exactly it is known.
 /// @param rotations of this camera over the exposure; empty: as if nothing had moved
 void UndoBlur(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,

@@ -10,7 +10,6 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
-#include "algorithms/features/matching.h"
 #include "algorithms/odometry/exposure_motion.h"
 #include "algorithms/odometry/stereo_map.h"
 
@@ -24,6 +23,7 @@ StereoMapOptions MapOptions(const StereoVoOptions& o) {
   constexpr double kSlack = 0.5;  // what a pose was estimated from is not removed at once
   options.outlier_sigmas = o.outlier_sigmas + kSlack;
   options.rig_rotation_deg = o.rig_rotation_deg;
+  options.points_per_error = o.noise.points_per_error;
   return options;
 }
 
@@ -77,6 +77,7 @@ class StereoVo::Tracker {
     int keyframe = -1;  ///< The latest when it was tracked; -1: no pose.
     Pose X_KC;
     Matrix6d unknown_motion = Matrix6d::Zero();
+    double residuals_share = 1;
     std::vector<std::pair<int, RigSighting>> sightings;  ///< By landmark; the landmarks' positions are looked up.
   };
   /// A pose in the map.
@@ -85,9 +86,7 @@ class StereoVo::Tracker {
     std::vector<StereoMatch> matches;
   };
 
-  bool IsUsable(const Observation& observation) const;
   std::optional<StereoView> View(const Observation& observation);
-  void RefuseSwapped(const StereoView& view) const;
   bool Begin(const StereoView& view, Record& record);
   bool Localize(const StereoView& view, Record& record);
   std::optional<Localized> FindPose(const StereoView& view);
@@ -132,6 +131,8 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
     record.answer.features = int(view->left.size());
     record.unknown_motion = motion_.UnknownMotion(options_.noise.common_per_blur);
     NoteBlur();
+    record.residuals_share =
+        options_.noise.residuals_share + options_.noise.hidden_per_blur * rig_.left.fx * motion_.Extent();
     if (!(map_.IsEmpty() ? Begin(*view, record) : Localize(*view, record))) Lose(record);
   } else {
     Lose(record);
@@ -141,28 +142,9 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
   return records_.back().answer;
 }
 
-/// A frame may lack its right image, or have a late one: it has no pose then. The first one may not.
-bool StereoVo::Tracker::IsUsable(const Observation& observation) const {
-  constexpr int64_t kSameInstant_ns = 1'000'000;
-  std::string wrong;
-  if (!observation.right) {
-    wrong = "there is no right image";
-  } else if (std::abs(observation.right->stamp_ns - observation.image.stamp_ns) > kSameInstant_ns) {
-    wrong = "the right image's stamp is " + std::to_string(observation.right->stamp_ns - observation.image.stamp_ns) +
-            " ns after the left one's; a stereo pair is of one instant, within 1000000 ns";
-  }
-  if (!wrong.empty() && records_.empty()) throw BadInput("the first frame: " + wrong);
-  return wrong.empty();
-}
-
 std::optional<StereoView> StereoVo::Tracker::View(const Observation& observation) {
-  if (!IsUsable(observation)) return {};
-  StereoView view;
-  const auto detect = [&](const Image& image, const CameraModel& camera, const std::string& which) {
-    return DetectInCamera(image.pixels, camera, which, *detector_, options_.max_features);
-  };
-  view.left = detect(observation.image, rig_.left, "left");
-  view.right = detect(*observation.right, rig_.right, "right");
+  if (!IsPair(observation, records_.empty())) return {};
+  StereoView view = DetectInBoth(observation, rig_, *detector_, options_.max_features);
   const std::vector<ExposureRotation> rotations = motion_.Rotations();
   UndoBlur(rig_.left, rotations, options_.noise, view.left);
   std::vector<ExposureRotation> of_right = rotations;
@@ -170,24 +152,8 @@ std::optional<StereoView> StereoVo::Tracker::View(const Observation& observation
   for (ExposureRotation& r : of_right) r.rotation = R_LR.conjugate() * r.rotation * R_LR;
   UndoBlur(rig_.right, of_right, options_.noise, view.right);
   view.partner = MatchStereo(map_.rig(), view.left, view.right, options_.stereo);
-  if (records_.empty()) RefuseSwapped(view);
+  if (records_.empty()) RefuseSwapped(rig_, view);
   return view;
-}
-
-/// By descriptors alone, wherever partners lie.
-void StereoVo::Tracker::RefuseSwapped(const StereoView& view) const {
-  if (view.left.size() == 0 || view.right.size() == 0) return;
-  std::vector<StereoSighting> sightings;
-  for (const Match& match : MatchDescriptors(view.left.features.descriptors, view.right.features.descriptors, {})) {
-    const size_t l = size_t(match.a), r = size_t(match.b);
-    sightings.push_back(
-        {view.left.pixel[l], view.right.pixel[r], view.left.covariance_px[l], view.right.covariance_px[r]});
-  }
-  if (TellImageOrder(rig_, sightings) == ImageOrder::kSwapped) {
-    throw BadInput(
-        "the first frame: left and right images are swapped: most points are seen further right by the "
-        "right camera, which the calibration puts to the right");
-  }
 }
 
 /// The first keyframe of a map, where the last known pose was.
@@ -307,7 +273,7 @@ void StereoVo::Tracker::Extend(const StereoView& view, const Localized& found) {
 void StereoVo::Tracker::NoteBlur() {
   constexpr size_t kFrames = 12;
   constexpr double kSharpShare = 0.35;
-  const double blur = motion_.TurnSpread().trace();
+  const double blur = motion_.Extent();
   blurs_.push_back(blur);
   if (blurs_.size() > kFrames) blurs_.pop_front();
   const auto sharper = std::count_if(blurs_.begin(), blurs_.end(), [&](double other) { return other < blur; });
@@ -330,8 +296,10 @@ void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<in
   for (size_t i = 0; i < landmarks.size(); ++i) {
     if (result.use[i] != SightingUse::kNone) now.by_landmark[landmarks[i]] = result.by_point[i];
   }
-  constexpr double kOfTwoFrames = 0.5;
-  const Matrix6d own = result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(before, now, map_.landmarks());
+  // What the model says of the images, and of the landmarks that only one of two frames uses, is the least there is.
+  constexpr double kOfTwoFrames = 0.5, kLeastShare = 0.1;
+  const Matrix6d modelled = result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(before, now, map_.landmarks());
+  const Matrix6d own = record.residuals_share * result.covariance_by_residuals + kLeastShare * modelled;
   const Pose X_KC = map_.keyframes()[size_t(record.keyframe)].Inverse() * result.X_WC;
   FrameEstimate& answer = record.answer;
   answer.status = TrackingStatus::kTracking;

@@ -5,6 +5,7 @@
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
 #include "algorithms/odometry/keyframe_vo.h"
+#include "algorithms/odometry/stereo_pair_vo.h"
 #include "algorithms/odometry/stereo_vo.h"
 #include "algorithms/odometry/two_view_vo.h"
 #include "algorithms/slam/floor_slam.h"
@@ -62,6 +63,16 @@ class TwoViewVoSystem : public System {
 
  private:
   TwoViewVo odometry_;
+};
+
+class StereoPairVoSystem : public System {
+ public:
+  explicit StereoPairVoSystem(const SystemSetup& setup)
+      : odometry_(setup.calibration, OptionsFrom<StereoPairVoOptions>(setup.settings, "stereo_pair_vo"), setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
+
+ private:
+  StereoPairVo odometry_;
 };
 
 class StereoVoSystem : public System {
@@ -131,6 +142,12 @@ std::vector<Entry> MakeEntries() {
       KeyframeVoWith("orb", "the odometry of mobif_vo with ORB features"),
       KeyframeVoWith("sift", "the odometry of mobif_vo with SIFT features: the plain baseline"),
       KeyframeVoWith("surf", "the odometry of mobif_vo with SURF features"),
+      {{"stereo_pair_vo",
+        "stereo odometry from frame to frame, with error propagation in closed form (Valencia, chapter 2, alone)",
+        ListFields(StereoPairVoOptions()),
+        {SensorNeed::kStereo},
+        false},
+       [](const SystemSetup& setup) { return std::make_unique<StereoPairVoSystem>(setup); }},
       {{"stereo_vo",
         "stereo odometry with a covariance: landmarks, keyframes, a window of bundle adjustment (Valencia, chapter 2)",
         ListFields(StereoVoOptions()),

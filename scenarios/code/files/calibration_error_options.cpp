@@ -15,6 +15,9 @@ CalibrationErrorOptions CalibrationErrorOptions::Of(Preset preset) {
   o.height_pct = 2;
   o.pitch_deg = 0.5;
   o.encoder_deg = 0.3;
+  o.stereo_deg = 0.05;
+  o.right_focal_pct = 0.05;
+  o.right_centre_px = 0.2;
   return o;
 }
 

@@ -32,15 +32,20 @@ struct CalibrationErrorOptions {
   double encoder_deg = 0;
   double switch_delay_ms = 0;
   double switch_bounce_ms = 0;
+  double stereo_deg = 0;
+  double right_focal_pct = 0;
+  double right_centre_px = 0;
 
   static CalibrationErrorOptions Of(Preset preset);
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, CalibrationErrorOptions& o) {
-  visit("preset", o.preset, EnumWords<CalibrationErrorPreset>(),
-        "what the other keys, all standard deviations, start from: none; or bench: 0.3 % of focal length, 1 px, 0.5 "
-        "deg of the IMU, 2 ms, 2 % of height, 0.5 deg of pitch, 0.3 deg of each encoder");
+  visit(
+      "preset", o.preset, EnumWords<CalibrationErrorPreset>(),
+      "what the other keys, all standard deviations, start from: none; or bench: 0.3 % of focal length, 1 px, 0.5 "
+      "deg of the IMU, 2 ms, 2 % of height, 0.5 deg of pitch, 0.3 deg of each encoder; of a stereo rig's right camera "
+      "0.05 deg, and of its lens alone 0.05 % and 0.2 px");
   visit("focal_pct", o.focal_pct, Between(0, 20), "1 sigma; focal length, fx and fy alike");
   visit("centre_px", o.centre_px, Between(0, 100), "1 sigma; principal point, each of cx and cy");
   visit("distortion_px", o.distortion_px, Between(0, 100), "1 sigma; k1, by what it moves at the image's corners");
@@ -56,6 +61,12 @@ void VisitFields(Visitor& visit, CalibrationErrorOptions& o) {
         "1 sigma; each foot switch is late by the draw's absolute value");
   visit("switch_bounce_ms", o.switch_bounce_ms, Between(0, 500),
         "1 sigma; for the draw's absolute value after each change, a foot switch reads open or closed at random");
+  visit("stereo_deg", o.stereo_deg, Between(0, 20),
+        "1 sigma; the right camera's direction, about each axis of its own");
+  visit("right_focal_pct", o.right_focal_pct, Between(0, 20),
+        "1 sigma; the right focal length, beside what both are off alike");
+  visit("right_centre_px", o.right_centre_px, Between(0, 100),
+        "1 sigma; the right principal point, each of cx and cy, likewise");
 }
 
 void ReadOption(const OptionValue& node, CalibrationErrorOptions& value);

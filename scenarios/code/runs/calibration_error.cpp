@@ -54,6 +54,10 @@ CalibrationError DrawCalibrationError(const CalibrationErrorOptions& o, const Ro
   error.pitch_deg = draw(o.pitch_deg);
   error.switch_delay_ms = draw2(o.switch_delay_ms).cwiseAbs();
   error.switch_bounce_ms = draw2(o.switch_bounce_ms).cwiseAbs();
+  RandomStream of_rig(seed, "calibration_error.stereo");  // its own: it shifts nothing
+  for (double& angle : error.stereo_deg) angle = of_rig.Normal(0, o.stereo_deg);
+  error.right_focal_pct = of_rig.Normal(0, o.right_focal_pct);
+  for (double& offset : error.right_centre_px) offset = of_rig.Normal(0, o.right_centre_px);
   if (o.encoder_deg == 0) return error;  // drawn last: it shifts nothing
   for (const RobotJoint& joint : robot.joints) {
     error.encoder_deg.push_back(joint.kind == RobotJoint::Kind::kRevolute ? draw(o.encoder_deg) : 0);
@@ -70,7 +74,17 @@ Calibration Miscalibrated(Calibration calibration, const CalibrationError& error
     if (error.distortion_px != 0) Distort(camera, error.distortion_px);
   };
   tell(calibration.camera);
-  if (calibration.right) tell(*calibration.right);  // the lenses of a rig are calibrated together: alike
+  if (calibration.right) {
+    tell(*calibration.right);  // the lenses of a rig are calibrated together: alike, and a little apart
+    calibration.right->fx *= 1 + 0.01 * error.right_focal_pct;
+    calibration.right->fy *= 1 + 0.01 * error.right_focal_pct;
+    calibration.right->cx += error.right_centre_px.x();
+    calibration.right->cy += error.right_centre_px.y();
+    if (!error.stereo_deg.isZero(0)) {
+      Eigen::Quaterniond& R_LR = calibration.X_LR.rotation;
+      R_LR = (R_LR * ExpSo3(kRadPerDeg * error.stereo_deg)).normalized();
+    }
+  }
   if (!error.imu_deg.isZero(0)) {
     Eigen::Quaterniond& R_CI = calibration.imu.X_CI.rotation;
     R_CI = (R_CI * ExpSo3(kRadPerDeg * error.imu_deg)).normalized();

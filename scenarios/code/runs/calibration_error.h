@@ -34,6 +34,9 @@ struct CalibrationError {
   double height_pct = 0;
   double pitch_deg = 0;
   Eigen::Vector2d switch_delay_ms = Eigen::Vector2d::Zero(), switch_bounce_ms = Eigen::Vector2d::Zero();
+  Eigen::Vector3d stereo_deg = Eigen::Vector3d::Zero();
+  double right_focal_pct = 0;
+  Eigen::Vector2d right_centre_px = Eigen::Vector2d::Zero();
   std::vector<double> encoder_deg;  ///< Order of Robot::joints; empty: none is off.
 };
 
@@ -50,6 +53,10 @@ void VisitFields(Visitor& visit, CalibrationError& o) {
   visit("pitch_deg", o.pitch_deg, AnyNumber(), "told tilt of the standing camera minus the true one, looking down");
   visit("switch_delay_ms", o.switch_delay_ms, Nested(), "left and right foot switch");
   visit("switch_bounce_ms", o.switch_bounce_ms, Nested(), "left and right foot switch");
+  visit("stereo_deg", o.stereo_deg, Nested(),
+        "from the true to the told right camera, a rotation vector in the true one");
+  visit("right_focal_pct", o.right_focal_pct, AnyNumber(), "of the right lens, beside focal_pct");
+  visit("right_centre_px", o.right_centre_px, Nested(), "of the right lens, beside centre_px");
   visit("encoder_deg", o.encoder_deg, Nested(), "readings minus the true angles, in the order of the robot's joints");
 }
 

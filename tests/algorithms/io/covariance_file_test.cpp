@@ -34,6 +34,19 @@ TEST_F(CovarianceFile, ComesBackToTheBitForTheFramesThatHaveOne) {
   EXPECT_EQ(read[1].covariance, *frames[2].covariance);
 }
 
+TEST_F(CovarianceFile, SaysWhatIsAFramesOwnWhereItIsKnown) {
+  std::vector<FrameEstimate> frames(2);
+  frames[1].stamp_ns = 7;
+  frames[0].covariance = frames[1].covariance = SomeCovariance(1);
+  frames[1].own_covariance = SomeCovariance(0.1);
+  ASSERT_TRUE(WriteCovariances(folder_ / "covariances.csv", frames));
+  const std::vector<StampedCovariance> read = ReadCovariances(folder_ / "covariances.csv");
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_FALSE(read[0].own_covariance);
+  ASSERT_TRUE(read[1].own_covariance);
+  EXPECT_EQ(*read[1].own_covariance, *frames[1].own_covariance);
+}
+
 TEST_F(CovarianceFile, IsNotWrittenWhereNoFrameHasOne) {
   EXPECT_FALSE(WriteCovariances(folder_ / "covariances.csv", std::vector<FrameEstimate>(4)));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "covariances.csv"));

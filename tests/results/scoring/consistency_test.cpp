@@ -82,6 +82,36 @@ TEST(Consistency, DoesNotDependOnWhereTheWorldLies) {
   EXPECT_NEAR(MeanNees(RelativeNees(pairs, 1)), relative, 1e-6 * relative);
 }
 
+// Poses that an odometry's steps carry, and each with an error of its own on top that the next pose does not have.
+std::vector<PosePair> WithErrorsOfTheirOwn(uint64_t seed) {
+  std::vector<PosePair> pairs = Odometry(seed, 1);
+  RandomStream random(seed, "own");
+  constexpr double kSigma = 0.003;
+  for (PosePair& pair : pairs) {
+    Vector6d error;
+    for (double& value : error) value = kSigma * random.Normal();
+    pair.own_covariance = kSigma * kSigma * Matrix6d::Identity();
+    pair.estimate = pair.estimate * ExpSe3(error);
+    pair.covariance = CarryCovariance(*pair.covariance, ExpSe3(error)) + *pair.own_covariance;
+  }
+  return pairs;
+}
+
+// As above: standard errors of 1.7 %, and of 0.7 % over the frames.
+TEST(Consistency, WhatIsAPosesOwnDoesNotCancel) {
+  double second = 0, frame = 0, blind = 0;
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    std::vector<PosePair> pairs = WithErrorsOfTheirOwn(seed);
+    second += MeanNees(RelativeNees(pairs, 1)) / 100;
+    frame += MeanNees(FrameNees(pairs)) / 100;
+    for (PosePair& pair : pairs) pair.own_covariance.reset();
+    blind += MeanNees(FrameNees(pairs)) / 100;
+  }
+  EXPECT_NEAR(second, 1, 0.06);
+  EXPECT_NEAR(frame, 1, 0.03);
+  EXPECT_GT(blind, 1.5) << "as if all were shared";
+}
+
 TEST(Consistency, WithoutCovariancesNothingIsSaid) {
   std::vector<PosePair> pairs = Odometry(1, 1);
   for (PosePair& pair : pairs) pair.covariance.reset();

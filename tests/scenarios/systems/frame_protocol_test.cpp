@@ -108,6 +108,7 @@ TEST(FrameProtocol, AnAnswerArrivesToTheBit) {
   sent.frame.status = TrackingStatus::kTracking;
   sent.frame.pose = Pose(Eigen::Quaterniond(0.1, 0.7, -0.3, 0.2).normalized(), {1.0 / 3, -2, 1e-17});
   sent.frame.covariance = Matrix6d::Random();
+  sent.frame.own_covariance = Matrix6d::Random();
   sent.frame.restarted = true;
   sent.frame.features = 12;
   sent.frame.inliers = 7;
@@ -118,6 +119,8 @@ TEST(FrameProtocol, AnAnswerArrivesToTheBit) {
     EXPECT_EQ(read.frame.pose->translation, sent.frame.pose->translation);
     EXPECT_EQ(read.frame.pose->rotation.coeffs(), sent.frame.pose->rotation.coeffs());
     EXPECT_EQ(*read.frame.covariance, *sent.frame.covariance);
+    ASSERT_TRUE(read.frame.own_covariance);
+    EXPECT_EQ(*read.frame.own_covariance, *sent.frame.own_covariance);
     EXPECT_TRUE(read.frame.restarted);
     EXPECT_EQ(read.frame.inliers, 7);
     EXPECT_EQ(read.command, command);

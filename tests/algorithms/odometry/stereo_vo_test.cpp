@@ -1,0 +1,238 @@
+#include "algorithms/odometry/stereo_vo.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Cholesky>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/core/units.h"
+#include "algorithms/odometry/keypoint_noise.h"
+#include "algorithms/odometry/stereo_pair_vo.h"
+#include "tests/algorithms/odometry/odometry_trials.h"
+#include "tests/error_of.h"
+
+namespace gaitcam {
+namespace {
+
+// A rig as a bench would describe it: 10 cm, the right camera turned, both lenses distorted.
+Calibration Rig() {
+  Calibration calibration = OneCamera();
+  calibration.camera.k1 = -0.1;
+  calibration.right = calibration.camera;
+  calibration.X_LR = Pose(Eigen::Matrix3d(RotZ(0.01) * RotY(-0.01) * RotX(0.02)), {0.1, 0, 0});
+  return calibration;
+}
+
+template <class PoseOfTime>
+Film FilmStereo(int frames, PoseOfTime pose) {
+  const Calibration rig = Rig();
+  Film film = FilmPath(Room(), rig.camera, frames, pose, 5, 2);
+  const Film right = FilmPath(
+      Room(), *rig.right, frames, [&](double t) { return pose(t) * rig.X_LR; }, 5, 2);
+  for (size_t i = 0; i < film.frames.size(); ++i) film.frames[i].right = right.frames[i].image;
+  return film;
+}
+
+const Film& Sideways() {
+  static const Film film = FilmStereo(30, SidewaysPose);
+  return film;
+}
+
+// Small pictures have few points.
+StereoVoOptions Small() {
+  StereoVoOptions options;
+  options.sensitivity = 4;
+  return options;
+}
+
+struct TrackedTwice {
+  Estimate live;
+  std::vector<FrameEstimate> last_word;
+};
+const TrackedTwice& TrackedSideways() {
+  static const TrackedTwice tracked = [] {
+    StereoVo vo(Rig(), Small(), 1);
+    TrackedTwice both{TrackAll(vo, Sideways().frames), {}};
+    both.last_word = vo.Finish();
+    return both;
+  }();
+  return tracked;
+}
+
+Pose TrueMotion(const Film& film, size_t from, size_t to) {
+  return film.truth[from].pose.Inverse() * film.truth[to].pose;
+}
+Pose MotionOf(const std::vector<FrameEstimate>& frames, size_t from, size_t to) {
+  return frames[from].pose->Inverse() * *frames[to].pose;
+}
+
+TEST(StereoVo, FollowsAMotionInMetres) {
+  const Estimate& live = TrackedSideways().live;
+  ExpectSane(live);
+  const std::vector<FrameEstimate>& final_frames = TrackedSideways().last_word;
+  ASSERT_EQ(final_frames.size(), Sideways().frames.size());
+  EXPECT_EQ(Count(live, TrackingStatus::kTracking), 30);
+  const size_t last = 29;  // 24 cm away; a pixel is 14 mm on the wall
+  for (const auto& frames : {live.frames, final_frames}) {
+    const Vector6d error = Minus(MotionOf(frames, 0, last), TrueMotion(Sideways(), 0, last));
+    EXPECT_LT(error.head<3>().norm(), 0.01);
+    EXPECT_LT(error.tail<3>().norm(), 0.004);
+  }
+}
+
+TEST(StereoVo, EveryPoseHasACovarianceOfWhichItsOwnIsAPart) {
+  for (const FrameEstimate& frame : TrackedSideways().last_word) {
+    ASSERT_TRUE(frame.covariance && frame.own_covariance);
+    const Matrix6d shared = *frame.covariance - *frame.own_covariance;
+    const double size = frame.covariance->norm();
+    EXPECT_GE((shared + 1e-9 * size * Matrix6d::Identity()).ldlt().vectorD().minCoeff(), 0);
+  }
+}
+
+// Errors of neighbouring frames hang together, so that 29 motions are no 174 numbers: within a factor of four.
+TEST(StereoVo, TheMotionFromFrameToFrameIsAsWrongAsItSays) {
+  const std::vector<FrameEstimate>& frames = TrackedSideways().last_word;
+  double nees = 0;
+  for (size_t i = 1; i < frames.size(); ++i) {
+    const Pose motion = MotionOf(frames, i - 1, i);
+    const Matrix6d earlier = *frames[i - 1].covariance - 2 * *frames[i - 1].own_covariance;
+    const Matrix6d covariance = *frames[i].covariance - CarryCovariance(earlier, motion);
+    const Vector6d error = Minus(TrueMotion(Sideways(), i - 1, i), motion);
+    nees += error.dot(covariance.llt().solve(error)) / 6 / double(frames.size() - 1);
+  }
+  EXPECT_GT(nees, 0.25);
+  EXPECT_LT(nees, 4);
+}
+
+TEST(StereoVo, DoesNotDriftWhereTheRobotStands) {
+  const Film film = FilmStereo(25, [](double) { return SidewaysPose(0); });
+  StereoVo vo(Rig(), Small(), 1);
+  const Estimate estimate = TrackAll(vo, film.frames);
+  ASSERT_EQ(Count(estimate, TrackingStatus::kTracking), 25);
+  const std::vector<FrameEstimate> frames = vo.Finish();
+  EXPECT_LT(Minus(*frames.back().pose, *frames[1].pose).norm(), 0.003);
+  const Matrix6d grown =
+      (*frames.back().covariance - *frames.back().own_covariance) - (*frames[1].covariance - *frames[1].own_covariance);
+  EXPECT_LT(grown.norm(), 1e-9) << "no keyframe was added";
+}
+
+TEST(StereoVo, TheSameSeedGivesTheSameBits) {
+  StereoVo a(Rig(), Small(), 5), b(Rig(), Small(), 5);
+  const std::vector<Observation> frames(Sideways().frames.begin(), Sideways().frames.begin() + 8);
+  ExpectSameBits(TrackAll(a, frames), TrackAll(b, frames));
+}
+
+// Told 0.1 degrees wrong, of which a bench has half: a third of a pixel here.
+TEST(StereoVo, LearnsHowTheRightCameraStands) {
+  Calibration told = Rig();
+  told.X_LR.rotation = told.X_LR.rotation * ExpSo3(kRadPerDeg * Eigen::Vector3d(0.1, 0, 0.05));
+  StereoVoOptions options = Small();
+  options.rig_rotation_deg = 0.1;
+  StereoVo vo(told, options, 1);
+  TrackAll(vo, Sideways().frames);
+  const double before = RotationAngle(told.X_LR.rotation, Rig().X_LR.rotation);
+  EXPECT_LT(RotationAngle(vo.X_LR().rotation, Rig().X_LR.rotation), 0.6 * before);
+}
+
+TEST(StereoVo, AFrameWithoutItsPairIsLostAndTheNextOneIsNot) {
+  std::vector<Observation> frames(Sideways().frames.begin(), Sideways().frames.begin() + 8);
+  frames[3].right.reset();
+  frames[5].right->stamp_ns += 5'000'000;
+  StereoVo vo(Rig(), Small(), 1);
+  const Estimate estimate = TrackAll(vo, frames);
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const bool is_pair = i != 3 && i != 5;
+    EXPECT_EQ(estimate.frames[i].status, is_pair ? TrackingStatus::kTracking : TrackingStatus::kLost) << i;
+  }
+  EXPECT_TRUE(estimate.frames[3].predicted);
+}
+
+TEST(StereoVo, BlackFramesAreLostAndTheMapBeginsAnewAfterMany) {
+  StereoVoOptions options = Small();
+  options.max_lost_frames = 3;
+  StereoVo vo(Rig(), options, 1);
+  std::vector<Observation> frames(Sideways().frames.begin(), Sideways().frames.begin() + 12);
+  for (size_t i = 4; i < 9; ++i) {
+    frames[i] = Filled(frames[i], 0);
+    frames[i].right->pixels = frames[i].image.pixels;
+  }
+  const Estimate estimate = TrackAll(vo, frames);
+  for (size_t i = 4; i < 9; ++i) EXPECT_EQ(estimate.frames[i].status, TrackingStatus::kLost) << i;
+  EXPECT_TRUE(estimate.frames[9].restarted);
+  EXPECT_EQ(estimate.frames[11].status, TrackingStatus::kTracking);
+}
+
+TEST(StereoVo, WhatCannotBeAPairIsRefusedInOneLine) {
+  const Observation& good = Sideways().frames[0];
+  const auto first = [&](const Observation& frame) {
+    return ErrorOf<BadInput>([&] { StereoVo(Rig(), Small(), 1).Track(frame); });
+  };
+  Observation bad = good;
+  bad.right.reset();
+  EXPECT_EQ(first(bad), "the first frame: there is no right image");
+  bad = good;
+  bad.right->stamp_ns += 2'000'000;
+  EXPECT_THAT(first(bad), testing::HasSubstr("the right image's stamp is 2000000 ns after the left one's"));
+  bad = good;
+  bad.right->pixels = cv::Mat(90, 120, CV_8UC1, cv::Scalar(0));
+  EXPECT_EQ(first(bad), "the right image has 120 x 90 pixels, but the calibration says 240 x 180");
+  bad = good;
+  std::swap(bad.image.pixels, bad.right->pixels);
+  EXPECT_THAT(first(bad), testing::HasSubstr("left and right images are swapped"));
+}
+
+TEST(StereoVo, ARigThatSeesNothingInCommonIsRefused) {
+  Calibration rig = Rig();
+  rig.X_LR.rotation = Eigen::Quaterniond(RotY(2));
+  EXPECT_THROW(StereoVo(rig, Small(), 1), BadInput);
+  rig.right.reset();
+  EXPECT_THROW(StereoVo(rig, Small(), 1), BadInput);
+}
+
+TEST(StereoPairVo, FollowsAMotionInMetresAndItsCovarianceGrows) {
+  StereoPairVoOptions options;
+  options.sensitivity = 4;
+  options.threshold_m = 0.1;  // pixels are 14 mm on the wall, and depths ten times as uncertain
+  StereoPairVo vo(Rig(), options, 1);
+  const std::vector<Observation> frames(Sideways().frames.begin(), Sideways().frames.begin() + 10);
+  const Estimate estimate = TrackAll(vo, frames);
+  EXPECT_EQ(Count(estimate, TrackingStatus::kTracking), 10);
+  const Vector6d error = Minus(MotionOf(estimate.frames, 0, 9), TrueMotion(Sideways(), 0, 9));
+  EXPECT_LT(error.head<3>().norm(), 0.15);
+  for (size_t i = 1; i < frames.size(); ++i) {
+    EXPECT_GT(estimate.frames[i].covariance->trace(), estimate.frames[i - 1].covariance->trace());
+  }
+}
+
+std::vector<ExposureRotation> Turn(const std::vector<double>& yaws) {
+  std::vector<ExposureRotation> rotations;
+  for (const double yaw : yaws) rotations.push_back({0, Eigen::Quaterniond(RotY(yaw))});
+  return rotations;
+}
+
+TEST(KeypointNoise, BlurOffsetIsTheMeanForCoarsePointsAndWhereTheImageLingeredForFineOnes) {
+  const Eigen::Vector2d centre(119.5, 89.5);
+  const double f = kCamera.fx;
+  const auto steady = Turn({-0.04, -0.02, 0, 0.02, 0.04});
+  EXPECT_LT(BlurOffset(kCamera, steady, centre, 100).norm(), 1e-3) << "a steady turn has its mean in the middle";
+  const auto lingering = Turn({0.04, 0.04, 0.04, 0, -0.04});
+  EXPECT_NEAR(BlurOffset(kCamera, lingering, centre, 1000).x(), f * 0.016, 0.02);  // tan(x) is x to 1e-4 rad here
+  EXPECT_NEAR(BlurOffset(kCamera, lingering, centre, 0.5).x(), f * 0.04, 0.02);
+  EXPECT_EQ(BlurOffset(kCamera, {}, centre, 1), Eigen::Vector2d(0, 0));
+}
+
+TEST(KeypointNoise, GrowsAlongTheBlurAndWithTheScale) {
+  KeypointNoiseOptions options;
+  cv::KeyPoint small({50, 50}, 2), large({50, 50}, 20);
+  const Eigen::Matrix2d sharp = KeypointCovariance(small, Eigen::Matrix2d::Zero(), options);
+  EXPECT_EQ(sharp(0, 0), sharp(1, 1));
+  EXPECT_GT(KeypointCovariance(large, Eigen::Matrix2d::Zero(), options)(0, 0), sharp(0, 0));
+  const auto turn = Turn({-0.04, -0.02, 0, 0.02, 0.04});
+  const Eigen::Matrix2d spread = BlurSpread(kCamera, turn, {119.5, 89.5});
+  EXPECT_NEAR(spread(0, 0), std::pow(kCamera.fx, 2) * 8e-4, 0.2) << "the mean square of the turn";
+  const Eigen::Matrix2d blurred = KeypointCovariance(small, spread, options);
+  EXPECT_GT(blurred(0, 0), 2 * blurred(1, 1));
+}
+
+}  // namespace
+}  // namespace gaitcam
