@@ -128,7 +128,7 @@ PropagatedMotion PropagateMotion(const std::vector<StereoPointMatch>& matches, c
   motion.nonlinearity = std::sqrt(std::max(0.0, (InverseOfSymmetric<6>(motion.covariance) * second_order).trace()));
   motion.bending = derivatives.Bending();
   // Limits from the map of `gaitcam experiment nees`.
-  constexpr double kNonlinearity = 0.5, kBending = 0.1, kWeightBias = 0.5;
+  constexpr double kNonlinearity = 0.5, kBending = 0.1, kWeightBias = 0.4;
   motion.first_order_holds = motion.nonlinearity < kNonlinearity && motion.bending < kBending &&
                              (cost == MotionCost::kDistances || motion.weight_bias < kWeightBias);
   return motion;

@@ -40,6 +40,13 @@ Eigen::Matrix2d Whitening(const Eigen::Matrix2d& S) {
 
 }  // namespace
 
+std::optional<Eigen::Vector4d> IdealPixels(const StereoRig& rig, const Eigen::Vector2d& left,
+                                           const Eigen::Vector2d& right) {
+  const auto l = Undistorted(rig.left, left), r = Undistorted(rig.right, right);
+  if (!l || !r) return std::nullopt;
+  return (Eigen::Vector4d() << l->pixel, r->pixel).finished();
+}
+
 std::optional<IdealSighting> IdealSighting::Of(const StereoRig& rig, const StereoSighting& sighting) {
   const auto left = Undistorted(rig.left, sighting.left), right = Undistorted(rig.right, sighting.right);
   if (!left || !right) return std::nullopt;

@@ -22,6 +22,10 @@ struct IdealSighting {
   static std::optional<IdealSighting> Of(const StereoRig& rig, const StereoSighting& sighting);
 };
 
+/// Its u alone.
+std::optional<Eigen::Vector4d> IdealPixels(const StereoRig& rig, const Eigen::Vector2d& left,
+                                           const Eigen::Vector2d& right);
+
 /// What four ideal pixels are, given q = (x/z, y/z, 1/z) of a point in the left camera's frame, and their derivatives
 /// by q. In these coordinates both images are nearly linear, also for points that are far; q_z = 0 is at infinity.
 struct StereoProjection {

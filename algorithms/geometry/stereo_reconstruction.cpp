@@ -163,7 +163,7 @@ void Propagate(const Reconstruction& reconstruction, const Eigen::Matrix4d& S, S
       point.covariance_second(int(k), int(l)) = (HS[k].transpose().cwiseProduct(HS[l])).sum() / 2;
   const Eigen::Matrix3d second = point.covariance_second + point.bias * point.bias.transpose();
   point.nonlinearity = std::sqrt(std::max(0.0, (InverseOfSymmetric<3>(point.covariance) * second).trace()));
-  constexpr double kFirstOrder = 0.15;
+  constexpr double kFirstOrder = 0.3;  // by the map of `gaitcam experiment nees`
   point.first_order_holds = point.nonlinearity < kFirstOrder;
 }
 
@@ -199,9 +199,9 @@ StereoPoint ReconstructPoint(const StereoRig& rig, const StereoSighting& sightin
 }
 
 Eigen::Vector3d SolveLinearly(const StereoRig& rig, const Eigen::Vector2d& left, const Eigen::Vector2d& right) {
-  const auto ideal = IdealSighting::Of(rig, {left, right});
-  if (!ideal) return Failed(StereoStatus::kNoRay).p_L;
-  const LinearSystem system(rig, ideal->u);
+  const std::optional<Eigen::Vector4d> u = IdealPixels(rig, left, right);
+  if (!u) return Failed(StereoStatus::kNoRay).p_L;
+  const LinearSystem system(rig, *u);
   return SolveSymmetric<3>(system.A.transpose() * system.A, system.A.transpose() * system.b);
 }
 
