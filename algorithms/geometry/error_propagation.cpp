@@ -30,6 +30,44 @@ Eigen::Vector3d SecondDerivative(int i, int j, const Eigen::Vector3d& p) {
   return 0.5 * (turn.cross(other.cross(p)) + other.cross(turn.cross(p)));
 }
 
+/// With e = p_A - X_AB p_B and g_i = d (X_AB Exp(tau) p_B) / d tau_i, half of Phi is -sum e^T W g_i, of its derivative
+/// by tau_j sum g_i^T W g_j - e^T W g_ij, by p_A -g_i^T W, and by p_B g_i^T W R - e^T W dg_i / dp_B.
+struct CostDerivatives {
+  Matrix6d without_residuals = Matrix6d::Zero(), by_motion = Matrix6d::Zero();
+  std::vector<MotionJacobian> by_point;
+
+  CostDerivatives(const std::vector<PointMatch>& matches, const Pose& X_AB, MotionCost cost) {
+    const Eigen::Matrix3d R = X_AB.R();
+    Matrix6d bend = Matrix6d::Zero();
+    by_point.reserve(matches.size());
+    for (const PointMatch& match : matches) {
+      const Eigen::Matrix3d W = WeightOf(match, X_AB, cost);
+      Matrix36 g;
+      g << R, -R * Hat(match.p_B);
+      const Eigen::Vector3d pull = R.transpose() * (W * (match.p_A - X_AB * match.p_B));  // W e in B's axes
+      without_residuals += g.transpose() * W * g;
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) bend(i, j) -= pull.dot(SecondDerivative(i, j, match.p_B));
+      MotionJacobian d_phi{-g.transpose() * W, g.transpose() * W * R};
+      d_phi.by_B.bottomRows<3>() -= Hat(pull).transpose();  // e^T W R (e_i x p) by p is (pull x e_i)^T
+      by_point.push_back(d_phi);
+    }
+    by_motion = without_residuals + bend;
+  }
+
+  std::vector<MotionJacobian> Jacobians() const {
+    const Matrix6d inverse = InverseOfSymmetric<6>(by_motion);
+    std::vector<MotionJacobian> jacobians;
+    for (const MotionJacobian& d_phi : by_point) jacobians.push_back({-inverse * d_phi.by_A, -inverse * d_phi.by_B});
+    return jacobians;
+  }
+  /// Of the rotation, which alone bends.
+  double Bending() const {
+    const Matrix6d ratio = InverseOfSymmetric<6>(without_residuals) * (by_motion - without_residuals);
+    return std::sqrt(std::max(0.0, (ratio * ratio).trace()));
+  }
+};
+
 }  // namespace
 
 Vector6d EulerOf(const Pose& X) {
@@ -54,32 +92,8 @@ Matrix6d EulerJacobian(const Pose& X) {
   return J;
 }
 
-/// With e = p_A - X_AB p_B and g_i = d (X_AB Exp(tau) p_B) / d tau_i, half of Phi is -sum e^T W g_i, of its derivative
-/// by tau_j sum g_i^T W g_j - e^T W g_ij, by p_A -g_i^T W, and by p_B g_i^T W R - e^T W dg_i / dp_B.
 std::vector<MotionJacobian> MotionJacobians(const std::vector<PointMatch>& matches, const Pose& X_AB, MotionCost cost) {
-  const Eigen::Matrix3d R = X_AB.R();
-  Matrix6d F = Matrix6d::Zero();
-  std::vector<MotionJacobian> by_point;
-  by_point.reserve(matches.size());
-  for (const PointMatch& match : matches) {
-    const Eigen::Matrix3d W = WeightOf(match, X_AB, cost);
-    Matrix36 g;
-    g << R, -R * Hat(match.p_B);
-    const Eigen::Vector3d pull = R.transpose() * (W * (match.p_A - X_AB * match.p_B));  // W e in B's axes
-    F += g.transpose() * W * g;
-    for (int i = 0; i < 6; ++i) {
-      for (int j = 0; j < 6; ++j) F(i, j) -= pull.dot(SecondDerivative(i, j, match.p_B));
-    }
-    MotionJacobian d_phi{-g.transpose() * W, g.transpose() * W * R};
-    d_phi.by_B.bottomRows<3>() -= Hat(pull).transpose();  // e^T W R (e_i x p) by p is (pull x e_i)^T
-    by_point.push_back(d_phi);
-  }
-  const Matrix6d inverse = InverseOfSymmetric<6>(F);
-  for (MotionJacobian& jacobian : by_point) {
-    jacobian.by_A = -inverse * jacobian.by_A;
-    jacobian.by_B = -inverse * jacobian.by_B;
-  }
-  return by_point;
+  return CostDerivatives(matches, X_AB, cost).Jacobians();
 }
 
 Matrix6d CovarianceOfMotion(const std::vector<PointMatch>& matches, const std::vector<MotionJacobian>& jacobians) {
@@ -98,20 +112,25 @@ PropagatedMotion PropagateMotion(const std::vector<StereoPointMatch>& matches, c
     points.push_back(match.Match());
     second.push_back({match.A.p_L, match.B.p_L, match.A.covariance_second, match.B.covariance_second});
   }
-  const std::vector<MotionJacobian> jacobians = MotionJacobians(points, X_AB, cost);
+  const CostDerivatives derivatives(points, X_AB, cost);
+  const std::vector<MotionJacobian> jacobians = derivatives.Jacobians();
   PropagatedMotion motion;
   motion.covariance = CovarianceOfMotion(points, jacobians);
   motion.covariance_second = CovarianceOfMotion(second, jacobians);
   motion.bias.setZero();
-  int first_order = 0;
+  double sum = 0;
   for (size_t k = 0; k < matches.size(); ++k) {
     motion.bias += jacobians[k].by_A * matches[k].A.bias + jacobians[k].by_B * matches[k].B.bias;
-    first_order += matches[k].A.first_order_holds && matches[k].B.first_order_holds;
+    sum += (std::pow(matches[k].A.nonlinearity, 2) + std::pow(matches[k].B.nonlinearity, 2)) / 2;
   }
+  motion.weight_bias = std::sqrt(sum);
   const Matrix6d second_order = motion.covariance_second + motion.bias * motion.bias.transpose();
   motion.nonlinearity = std::sqrt(std::max(0.0, (InverseOfSymmetric<6>(motion.covariance) * second_order).trace()));
-  constexpr double kSmall = 0.5, kNearlyAll = 0.9;
-  motion.first_order_holds = motion.nonlinearity < kSmall && first_order >= kNearlyAll * double(matches.size());
+  motion.bending = derivatives.Bending();
+  // Limits from the map of `gaitcam experiment nees`.
+  constexpr double kNonlinearity = 0.5, kBending = 0.1, kWeightBias = 0.4;
+  motion.first_order_holds = motion.nonlinearity < kNonlinearity && motion.bending < kBending &&
+                             (cost == MotionCost::kDistances || motion.weight_bias < kWeightBias);
   return motion;
 }
 

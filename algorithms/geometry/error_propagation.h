@@ -58,8 +58,13 @@ struct PropagatedMotion {
   Vector6d bias;               ///< Of second order: mean error of the motion from the points' own bias.
   Matrix6d covariance_second;  ///< What the points' terms of second order add to the covariance.
   double nonlinearity = 0;     ///< What these two add to the NEES, its root.
-  /// The covariance of first order says what it should, to a tenth in NEES: the bias is small beside it, and so it is
-  /// for nearly all points.
+  /// By how much residuals bend the cost, over its curvature without any: large where points err as much as the cloud
+  /// extends.
+  double bending = 0;
+  /// Root of the sum over points of their squared nonlinearity. Weights that are made from measured points pull the
+  /// motion by a square of each point's relative error, all in one direction.
+  double weight_bias = 0;
+  /// The covariance says what it should, to a quarter in NEES: what of the above matters to this cost is small.
   bool first_order_holds = false;
 };
 

@@ -9,8 +9,8 @@
 
 #include "algorithms/geometry/absolute_pose.h"
 #include "algorithms/geometry/ransac.h"
+#include "algorithms/geometry/rig_projection.h"
 #include "algorithms/geometry/robust_loss.h"
-#include "algorithms/geometry/stereo_projection.h"
 
 namespace gaitcam {
 namespace {

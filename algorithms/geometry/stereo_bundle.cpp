@@ -9,8 +9,8 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/geometry/levenberg_marquardt.h"
+#include "algorithms/geometry/rig_projection.h"
 #include "algorithms/geometry/robust_loss.h"
-#include "algorithms/geometry/stereo_projection.h"
 
 namespace gaitcam {
 namespace {

@@ -9,36 +9,13 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/small_solvers.h"
+#include "algorithms/geometry/stereo_projection.h"
 
 namespace gaitcam {
 namespace {
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
 using Matrix43 = Eigen::Matrix<double, 4, 3>;
-
-/// A pixel as the camera would show it without distortion.
-struct IdealPixel {
-  Eigen::Vector2d xy;          ///< Of the ray (x, y, 1).
-  Eigen::Vector2d pixel;       ///< The same in pixels.
-  Eigen::Matrix2d derivative;  ///< d pixel / d filmed pixel.
-};
-
-std::optional<IdealPixel> Undistorted(const CameraModel& camera, const Eigen::Vector2d& filmed) {
-  if (!filmed.allFinite()) return std::nullopt;
-  IdealPixel ideal;
-  ideal.xy = camera.Unproject(filmed).head<2>();
-  const Eigen::Vector2d f(camera.fx, camera.fy), c(camera.cx, camera.cy);
-  // Beyond the fold of a strong distortion Newton's method does not arrive, or does on its far side, where the image is
-  // mirrored.
-  constexpr double kArrived_px = 1e-6;
-  const Eigen::Matrix2d J = camera.DistortionJacobian(ideal.xy);
-  if (!ideal.xy.allFinite() || !(J.determinant() > 0 && J.trace() > 0) ||
-      (camera.Distort(ideal.xy).cwiseProduct(f) + c - filmed).cwiseAbs().maxCoeff() > kArrived_px)
-    return std::nullopt;
-  ideal.pixel = ideal.xy.cwiseProduct(f) + c;
-  ideal.derivative = f.asDiagonal() * J.inverse() * f.cwiseInverse().asDiagonal();
-  return ideal;
-}
 
 /// What a cost function makes of four ideal pixels: the point and its derivatives by them.
 struct Reconstruction {
@@ -96,47 +73,13 @@ Reconstruction ReconstructLinearly(const StereoRig& rig, const Eigen::Vector4d& 
   return result;
 }
 
-/// What four ideal pixels are, given q = (x/z, y/z, 1/z), with derivatives; in these coordinates both images are nearly
-/// linear, also for points that are far.
-struct Projection {
-  Eigen::Vector4d u;
-  Matrix43 J;
-  std::array<Eigen::Matrix3d, 4> hessians;
-  double depth_right;  ///< Over that in the left camera.
-
-  Projection(const StereoRig& rig, const Eigen::Vector3d& q) {
-    const Pose X_RL = rig.X_LR.Inverse();
-    const Eigen::Matrix3d R = X_RL.R();
-    Eigen::Matrix3d M;  // the point in the right camera, over its depth in the left one, is M q + R's last column
-    M << R.col(0), R.col(1), X_RL.translation;
-    const Eigen::Vector3d h = M * q + R.col(2);
-    const CameraModel &left = rig.left, &right = rig.right;
-    depth_right = h.z();
-    u << left.fx * q.x() + left.cx, left.fy * q.y() + left.cy, right.fx * h.x() / h.z() + right.cx,
-        right.fy * h.y() / h.z() + right.cy;
-    J.topRows<2>() << left.fx, 0, 0, 0, left.fy, 0;
-    hessians[0] = hessians[1] = Eigen::Matrix3d::Zero();
-    for (int k = 0; k < 2; ++k) {
-      const double f = k == 0 ? right.fx : right.fy;
-      Eigen::RowVector3d gradient = Eigen::RowVector3d::Zero();  // of h_k / h_z by h
-      gradient[k] = 1 / h.z();
-      gradient[2] = -h[k] / (h.z() * h.z());
-      Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-      hessian(k, 2) = hessian(2, k) = -1 / (h.z() * h.z());
-      hessian(2, 2) = 2 * h[k] / (h.z() * h.z() * h.z());
-      J.row(2 + k) = f * gradient * M;
-      hessians[size_t(2 + k)] = f * M.transpose() * hessian * M;
-    }
-  }
-};
-
 /// The q that minimises r^T W r, r = projection - u, by Gauss-Newton; nothing if the point gets behind a camera.
 std::optional<Eigen::Vector3d> MostLikely(const StereoRig& rig, const Eigen::Vector4d& u, const Eigen::Matrix4d& W,
                                           Eigen::Vector3d q) {
   constexpr int kSteps = 20;
   constexpr double kArrived = 1e-13;  // of coordinates of order one
   for (int step = 0; step < kSteps; ++step) {
-    const Projection projection(rig, q);
+    const StereoProjection projection(rig, q);
     const Eigen::Matrix<double, 3, 4> JW = projection.J.transpose() * W;
     const Eigen::Vector3d change = SolveSymmetric<3>(JW * projection.J, JW * (projection.u - u));
     q -= change;
@@ -156,7 +99,7 @@ std::optional<Reconstruction> ReconstructMostLikely(const StereoRig& rig, const 
   const std::optional<Eigen::Vector3d> q =
       MostLikely(rig, u, W, {near.x() / near.z(), near.y() / near.z(), 1 / near.z()});
   if (!q) return std::nullopt;
-  const Projection at(rig, *q);
+  const StereoProjection at(rig, *q);
   const Eigen::Vector4d weighted = W * (at.u - u);
   Eigen::Matrix3d F = at.J.transpose() * W * at.J;
   for (size_t k = 2; k < 4; ++k) F += weighted[int(k)] * at.hessians[k];
@@ -187,13 +130,6 @@ std::optional<Reconstruction> ReconstructMostLikely(const StereoRig& rig, const 
     }
   }
   return result;
-}
-
-/// Sine of the angle between the rays of two pixels.
-double SineBetween(const StereoRig& rig, const IdealPixel& left, const IdealPixel& right) {
-  const Eigen::Vector3d a = left.xy.homogeneous().normalized();
-  const Eigen::Vector3d b = rig.X_LR.rotation * right.xy.homogeneous().normalized();
-  return a.cross(b).norm();
 }
 
 bool BehindACamera(const StereoRig& rig, const Eigen::Vector3d& p_L) {
@@ -227,7 +163,7 @@ void Propagate(const Reconstruction& reconstruction, const Eigen::Matrix4d& S, S
       point.covariance_second(int(k), int(l)) = (HS[k].transpose().cwiseProduct(HS[l])).sum() / 2;
   const Eigen::Matrix3d second = point.covariance_second + point.bias * point.bias.transpose();
   point.nonlinearity = std::sqrt(std::max(0.0, (InverseOfSymmetric<3>(point.covariance) * second).trace()));
-  constexpr double kFirstOrder = 0.15;
+  constexpr double kFirstOrder = 0.3;  // by the map of `gaitcam experiment nees`
   point.first_order_holds = point.nonlinearity < kFirstOrder;
 }
 
@@ -235,19 +171,12 @@ void Propagate(const Reconstruction& reconstruction, const Eigen::Matrix4d& S, S
 
 StereoPoint ReconstructPoint(const StereoRig& rig, const StereoSighting& sighting,
                              const ReconstructionOptions& options) {
-  const auto left = Undistorted(rig.left, sighting.left), right = Undistorted(rig.right, sighting.right);
-  if (!left || !right) return Failed(StereoStatus::kNoRay);
+  const std::optional<IdealSighting> ideal = IdealSighting::Of(rig, sighting);
+  if (!ideal) return Failed(StereoStatus::kNoRay);
   constexpr double kParallel = 1e-9;  // rounding of pixels, in rad
-  if (!(SineBetween(rig, *left, *right) > kParallel)) return Failed(StereoStatus::kParallel);
-
-  Eigen::Vector4d u;
-  u << left->pixel, right->pixel;
-  Eigen::Matrix4d to_ideal = Eigen::Matrix4d::Zero(), S = Eigen::Matrix4d::Zero();
-  to_ideal.topLeftCorner<2, 2>() = left->derivative;
-  to_ideal.bottomRightCorner<2, 2>() = right->derivative;
-  S.topLeftCorner<2, 2>() = left->derivative * sighting.covariance_left * left->derivative.transpose();
-  S.bottomRightCorner<2, 2>() = right->derivative * sighting.covariance_right * right->derivative.transpose();
-  const Eigen::Matrix4d W = InverseOfSymmetric<4>(S);
+  if (!(ideal->ray_left.cross(ideal->ray_right).norm() > kParallel)) return Failed(StereoStatus::kParallel);
+  const Eigen::Vector4d& u = ideal->u;
+  const Eigen::Matrix4d W = ideal->whiten.transpose() * ideal->whiten;
 
   Reconstruction reconstruction = ReconstructLinearly(rig, u);
   if (BehindACamera(rig, reconstruction.p)) return Failed(StereoStatus::kBehind);
@@ -259,22 +188,20 @@ StereoPoint ReconstructPoint(const StereoRig& rig, const StereoSighting& sightin
   StereoPoint point;
   point.status = StereoStatus::kOk;
   point.p_L = reconstruction.p;
-  point.J = reconstruction.J * to_ideal;
-  Propagate(reconstruction, S, point);
+  point.J = reconstruction.J * ideal->derivative;
+  Propagate(reconstruction, ideal->covariance, point);
   if (point.p_L.z() < options.min_depth_sigmas * std::sqrt(point.covariance(2, 2)))
     return Failed(StereoStatus::kTooFar);
   const Eigen::Vector3d& p = point.p_L;
-  const Eigen::Vector4d residual = Projection(rig, {p.x() / p.z(), p.y() / p.z(), 1 / p.z()}).u - u;
+  const Eigen::Vector4d residual = StereoProjection(rig, {p.x() / p.z(), p.y() / p.z(), 1 / p.z()}).u - u;
   point.squared_error = residual.dot(W * residual);
   return point;
 }
 
 Eigen::Vector3d SolveLinearly(const StereoRig& rig, const Eigen::Vector2d& left, const Eigen::Vector2d& right) {
-  const auto l = Undistorted(rig.left, left), r = Undistorted(rig.right, right);
-  if (!l || !r) return Failed(StereoStatus::kNoRay).p_L;
-  Eigen::Vector4d u;
-  u << l->pixel, r->pixel;
-  const LinearSystem system(rig, u);
+  const std::optional<Eigen::Vector4d> u = IdealPixels(rig, left, right);
+  if (!u) return Failed(StereoStatus::kNoRay).p_L;
+  const LinearSystem system(rig, *u);
   return SolveSymmetric<3>(system.A.transpose() * system.A, system.A.transpose() * system.b);
 }
 
@@ -299,7 +226,8 @@ ImageOrder TellImageOrder(const StereoRig& rig, const std::vector<StereoSighting
 }
 
 StereoRig StereoRig::Of(const Calibration& calibration) {
-  if (!calibration.right) throw BadInput("stereo rig: there is no right camera; expected a calibration with `right` and `X_LR`");
+  if (!calibration.right)
+    throw BadInput("stereo rig: there is no right camera; expected a calibration with `right` and `X_LR`");
   const StereoRig rig{calibration.camera, *calibration.right, calibration.X_LR};
   rig.Check();
   return rig;

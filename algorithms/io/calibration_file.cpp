@@ -213,7 +213,9 @@ Pose ReadMatrix(const YamlMap& map, const std::string& key) {
   const Eigen::Matrix4d M = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data.data());
   const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
   if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kNotUnit || R.determinant() < 0) {
-    map.Fail(key, "the upper left 3 x 3 numbers are not a rotation matrix");
+    map.Fail(key, R.determinant() < 0
+                      ? "the upper left 3 x 3 numbers are not a rotation matrix: they mirror (determinant below 0)"
+                      : "the upper left 3 x 3 numbers are not a rotation matrix");
   }
   return {R, M.topRightCorner<3, 1>()};
 }

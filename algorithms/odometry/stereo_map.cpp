@@ -7,7 +7,7 @@
 
 #include "algorithms/core/units.h"
 #include "algorithms/features/matching.h"
-#include "algorithms/geometry/stereo_projection.h"
+#include "algorithms/geometry/rig_projection.h"
 #include "algorithms/odometry/feature_search.h"
 
 namespace gaitcam {

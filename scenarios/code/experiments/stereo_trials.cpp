@@ -90,10 +90,24 @@ double PointNeesSum(const StereoRig& rig, const StereoSighting& exact, int sampl
   return sum;
 }
 
+SceneSightings Reconstructible(const SceneSightings& scene) {
+  SceneSightings kept{scene.rig, scene.X_AB, {}, {}};
+  constexpr ReconstructionOptions kAnyDepth{StereoCost::kAlgebraic, 0};
+  for (size_t k = 0; k < scene.A.size(); ++k) {
+    if (!ReconstructPoint(scene.rig, scene.A[k], kAnyDepth).ok() ||
+        !ReconstructPoint(scene.rig, scene.B[k], kAnyDepth).ok())
+      continue;
+    kept.A.push_back(scene.A[k]);
+    kept.B.push_back(scene.B[k]);
+  }
+  return kept;
+}
+
 double MotionNeesSum(const SceneSightings& exact, int samples, RandomStream& random, std::vector<Vector6d>* poses) {
-  const auto points = Reconstruct(exact, {StereoCost::kAlgebraic, 0});
-  GAITCAM_ASSERT(int(points.size()) == exact.size());
+  const SceneSightings kept = Reconstructible(exact);
+  const auto points = Reconstruct(kept, {StereoCost::kAlgebraic, 0});
   std::vector<PointMatch> matches = MatchesOf(points);
+  GAITCAM_ASSERT(Degeneracy(matches) == RigidMotionStatus::kOk);
   const Pose mu = FitRigidMotion(matches, RigidMotionMethod::kSvd).X_AB;
   const Matrix6d to_euler = EulerJacobian(mu);
   const Matrix6d covariance =
@@ -102,9 +116,9 @@ double MotionNeesSum(const SceneSightings& exact, int samples, RandomStream& ran
   double sum = 0;
   for (int i = 0; i < samples; ++i) {
     for (size_t k = 0; k < matches.size(); ++k) {
-      const StereoSighting a = WithNoise(exact.A[k], random), b = WithNoise(exact.B[k], random);
-      matches[k].p_A = SolveLinearly(exact.rig, a.left, a.right);
-      matches[k].p_B = SolveLinearly(exact.rig, b.left, b.right);
+      const StereoSighting a = WithNoise(kept.A[k], random), b = WithNoise(kept.B[k], random);
+      matches[k].p_A = SolveLinearly(kept.rig, a.left, a.right);
+      matches[k].p_B = SolveLinearly(kept.rig, b.left, b.right);
     }
     const Vector6d d = EulerOf(FitRigidMotion(matches, RigidMotionMethod::kSvd).X_AB);
     const Vector6d e = d - EulerOf(mu);

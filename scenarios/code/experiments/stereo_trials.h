@@ -46,6 +46,9 @@ double SquaredNorm(const Eigen::Matrix<double, N, 1>& e, const Eigen::Matrix<dou
 /// Eq. 2.32 summed. `mu` and the covariance are those of the exact pixels.
 double PointNeesSum(const StereoRig& rig, const StereoSighting& exact, int samples, RandomStream& random);
 
+/// Without the points that lie behind a camera by noise, in either frame.
+SceneSightings Reconstructible(const SceneSightings& scene);
+
 /// The chapter's test of a motion (Eqs. 2.4, 2.30, 2.32), by the SVD; d in x, y, z, roll, pitch, yaw.
 /// @param poses receives the samples' d if it is given.
 double MotionNeesSum(const SceneSightings& exact, int samples, RandomStream& random,

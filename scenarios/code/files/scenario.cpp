@@ -104,7 +104,6 @@ std::optional<Eigen::Vector3d> StartOf(const ResolvedScenario& resolved) {
   FailAtSetting(node.Child(group), setting.substr(dot + 1), message);
 }
 
-/// Fails where the setting stands that `message` ("mobif_vo.ratio: ...") names; else where the system does.
 /// Two cameras that are no rig are told here, before anything is filmed.
 void CheckRig(const OptionValue& root, const Scenario& scenario) {
   if (!(scenario.camera.stereo.baseline_m > 0)) return;
@@ -115,6 +114,7 @@ void CheckRig(const OptionValue& root, const Scenario& scenario) {
   }
 }
 
+/// Fails where the setting stands that `message` ("mobif_vo.ratio: ...") names; else where the system does.
 [[noreturn]] void FailAtSystem(const OptionValue& root, const std::string& message) {
   const size_t dot = message.find('.'), colon = message.find(':');
   const bool names_setting = dot < colon && colon != std::string::npos;

@@ -120,49 +120,10 @@ TEST(ErrorPropagation, LikelihoodsCovarianceIsTheInverseInformationWithoutResidu
   EXPECT_LT((propagated - expected).norm(), 1e-9 * expected.norm());
 }
 
-/// Pixels of both pairs of a rig that moved.
-struct TwoPairs {
-  StereoRig rig = ChapterRig();
-  Pose X_AB;
-  std::vector<StereoSighting> A, B;
-
-  TwoPairs(int count, double sigma_px, double forward_m, RandomStream& random)
-      : X_AB(ExpSo3({0.01, 0.03, -0.02}), {0.03, 0.01, -forward_m}) {
-    while (int(A.size()) < count) {
-      const Vector3d p_B = PointInView(rig, 2, 8, random);
-      if (!InView(rig, X_AB * p_B)) continue;
-      B.push_back(SeenBy(rig, p_B));
-      A.push_back(SeenBy(rig, X_AB * p_B));
-      for (StereoSighting* seen : {&A.back(), &B.back()})
-        seen->covariance_left = seen->covariance_right *= sigma_px * sigma_px;
-    }
-  }
-  std::vector<StereoPointMatch> Points(double sigma_px, RandomStream& random,
-                                       StereoCost cost = StereoCost::kAlgebraic) const {
-    std::vector<StereoPointMatch> points;
-    const auto reconstruct = [&](StereoSighting seen) {
-      for (Eigen::Vector2d* pixel : {&seen.left, &seen.right})
-        *pixel += sigma_px * Eigen::Vector2d(random.Normal(), random.Normal());
-      return ReconstructPoint(rig, seen, {cost, 0});
-    };
-    for (size_t k = 0; k < A.size(); ++k) {
-      const StereoPoint a = reconstruct(A[k]), b = reconstruct(B[k]);
-      points.push_back({a, b});
-    }
-    return points;
-  }
-};
-
-std::vector<PointMatch> MatchesOf(const std::vector<StereoPointMatch>& points) {
-  std::vector<PointMatch> matches;
-  for (const auto& point : points) matches.push_back(point.Match());
-  return matches;
-}
-
 TEST(ErrorPropagation, PixelsToMotionIsThatOfMonteCarloWithinItsOwnError) {
   RandomStream random(4, "pairs");
   constexpr double kSigma_px = 0.2;
-  const TwoPairs pairs(30, kSigma_px, 0.15, random);
+  const TwoPairs pairs(ChapterRig(), 30, kSigma_px, 0.15, random);
   const auto exact = pairs.Points(0, random);
   const PropagatedMotion motion = PropagateMotion(exact, pairs.X_AB, MotionCost::kDistances);
   EXPECT_TRUE(motion.first_order_holds);
@@ -187,7 +148,7 @@ TEST(ErrorPropagation, BiasOfTheMotionIsTheMeanErrorOfMonteCarlo) {
   RandomStream random(5, "bias");
   constexpr double kSigma_px = 2;
   constexpr StereoCost kCost = StereoCost::kMaximumLikelihood;  // the algebraic one has next to none
-  const TwoPairs pairs(40, kSigma_px, 1.5, random);
+  const TwoPairs pairs(ChapterRig(), 40, kSigma_px, 1.5, random);
   const PropagatedMotion motion = PropagateMotion(pairs.Points(0, random, kCost), pairs.X_AB, MotionCost::kDistances);
   constexpr int kSamples = 5000;
   Vector6d mean = Vector6d::Zero();

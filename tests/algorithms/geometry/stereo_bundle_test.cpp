@@ -7,7 +7,7 @@
 #include "algorithms/core/random.h"
 #include "algorithms/core/units.h"
 #include "algorithms/geometry/rig_pose.h"
-#include "algorithms/geometry/stereo_projection.h"
+#include "algorithms/geometry/rig_projection.h"
 
 namespace gaitcam {
 namespace {

@@ -2,7 +2,10 @@
 
 #pragma once
 
+#include <vector>
+
 #include "algorithms/core/random.h"
+#include "algorithms/geometry/error_propagation.h"
 #include "algorithms/geometry/stereo_reconstruction.h"
 
 namespace gaitcam {
@@ -48,6 +51,50 @@ inline Eigen::Vector3d PointInView(const StereoRig& rig, double near, double far
     const Eigen::Vector3d p_L = random.Uniform(near, far) * rig.left.Unproject(pixel);
     if (InView(rig, p_L)) return p_L;
   }
+}
+
+/// Pixels of both pairs of a rig that moved.
+struct TwoPairs {
+  StereoRig rig;
+  Pose X_AB;
+  std::vector<StereoSighting> A, B;
+
+  /// Points between these depths in B, which the step brings nearer in A.
+  TwoPairs(const StereoRig& the_rig, int count, double sigma_px, double forward_m, RandomStream& random,
+           double near = 2, double far = 8)
+      : rig(the_rig), X_AB(ExpSo3({0.01, 0.03, -0.02}), {0.03, 0.01, -forward_m}) {
+    while (int(A.size()) < count) {
+      const Eigen::Vector3d p_B = PointInView(rig, near, far, random);
+      if (!InView(rig, X_AB * p_B)) continue;
+      B.push_back(SeenBy(rig, p_B));
+      A.push_back(SeenBy(rig, X_AB * p_B));
+      for (StereoSighting* seen : {&A.back(), &B.back()})
+        seen->covariance_left = seen->covariance_right *= sigma_px * sigma_px;
+    }
+  }
+  /// With errors of that standard deviation.
+  TwoPairs Noisy(double sigma_px, RandomStream& random) const {
+    TwoPairs noisy = *this;
+    for (auto* sightings : {&noisy.A, &noisy.B})
+      for (StereoSighting& seen : *sightings)
+        for (Eigen::Vector2d* pixel : {&seen.left, &seen.right})
+          *pixel += sigma_px * Eigen::Vector2d(random.Normal(), random.Normal());
+    return noisy;
+  }
+  std::vector<StereoPointMatch> Points(double sigma_px, RandomStream& random,
+                                       StereoCost cost = StereoCost::kAlgebraic) const {
+    const TwoPairs noisy = Noisy(sigma_px, random);
+    std::vector<StereoPointMatch> points;
+    for (size_t k = 0; k < A.size(); ++k)
+      points.push_back({ReconstructPoint(rig, noisy.A[k], {cost, 0}), ReconstructPoint(rig, noisy.B[k], {cost, 0})});
+    return points;
+  }
+};
+
+inline std::vector<PointMatch> MatchesOf(const std::vector<StereoPointMatch>& points) {
+  std::vector<PointMatch> matches;
+  for (const StereoPointMatch& point : points) matches.push_back(point.Match());
+  return matches;
 }
 
 }  // namespace gaitcam

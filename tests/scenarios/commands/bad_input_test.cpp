@@ -80,6 +80,13 @@ TEST_F(BadInputTest, AStepOutOfReachIsRefusedBeforeTheRun) {
   ExpectRefusal("", "gait.step_length_m: 0.3", "--set gait.step_length_m=0.3", "validate");
 }
 
+TEST_F(BadInputTest, TwoCamerasThatSeeNothingInCommonAreRefusedBeforeTheRun) {
+  ExpectRefusal("camera:\n  stereo: {baseline_m: 0.1, right_rotation_deg: [0, 90, 0]}\n",
+                "stereo rig: the two cameras see at most 0 % of the left image in common", "", "validate");
+  ExpectRefusal("camera: {stereo: {baseline_m: 0.1}}\n", "stereo rig: the two cameras see at most 0 %",
+                "--set camera.stereo.right_rotation_deg=[0,180,0]", "validate");
+}
+
 TEST_F(BadInputTest, CommandLineValuesAreNamedAsSuch) {
   ExpectRefusal("", "--set gait.period_s=soon: \"soon\" is not a number", "--set gait.period_s=soon");
   ExpectRefusal("", "expected key=value", "--set gait.period_s");

@@ -68,6 +68,8 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"planes --pairs 0", "--pairs: 0 is not permitted"},
                                         {"planes --pairs many", "many"},
                                         {"odometry", "study file"},
+                                        {"nees --repeats 0", "--repeats: 0 is not permitted"},
+                                        {"nees --scene labb", "labb"},
                                         {"localisation --set duration=1", "duration"},
                                         {"speed nowhere", "nowhere"},
                                         {"speed --frames 0", "--frames: 0 is not permitted"},
@@ -98,6 +100,18 @@ TEST_F(ExperimentProgramTest, ATableNamesTheCommandThatMakesItAgain) {
   EXPECT_EQ(made_by[1], "features shifted --detector sift --seed 3 --out first/table.md");
   ASSERT_EQ(Run(made_by[1].str() + " -q").exit_code, 0);
   EXPECT_EQ(ReadText(File("first/table.md")), table);
+}
+
+TEST_F(ExperimentProgramTest, NeesIsNearOneForPointsThatAreNear) {
+  const ProgramResult result = Run("nees --repeats 2 --trials 5 --steps 2 --out nees.md -q");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(fs::exists(File("nees.png")));
+  const std::string table = ReadText(File("nees.md"));
+  std::smatch row;
+  ASSERT_TRUE(std::regex_search(
+      table, row, std::regex("one point at 1 to 4 m, 300 samples \\|[^|]*\\| [0-9.]+ \\|.* ([0-9.]+) \\|\n")));
+  // Two sums of 900 squared normals: a mean's standard deviation is 0.033.
+  EXPECT_NEAR(std::stod(row[1]), 1, 0.14);
 }
 
 TEST_F(ExperimentProgramTest, SpeedMeasuresOnlyTheSectionsThatAreWanted) {
