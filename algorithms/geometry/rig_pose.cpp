@@ -75,11 +75,13 @@ double ErrorLimit2(double sigmas, int rows) {
   return n * std::pow(1 - 2 / (9 * n) + low * std::sqrt(2 / (9 * n)), 3);
 }
 
-/// Gauss-Newton over the sightings that agree.
+/// Gauss-Newton over the sightings that agree, and a prior.
 class RigPoseProblem {
  public:
-  RigPoseProblem(const std::vector<RigSighting>& sightings, const Pose& X_LR, const RigPoseOptions& options)
+  RigPoseProblem(const std::vector<RigSighting>& sightings, const Pose& X_LR, const RigPosePrior& prior,
+                 const RigPoseOptions& options)
       : sightings_(sightings),
+        prior_(prior),
         X_RL_(X_LR.Inverse()),
         options_(options),
         limit2_{ErrorLimit2(options.outlier_sigmas, 2), ErrorLimit2(options.outlier_sigmas, 4)},
@@ -104,8 +106,8 @@ class RigPoseProblem {
     constexpr int kIterations = 8;
     constexpr double kConverged = 1e-10;
     for (int i = 0; i < kIterations; ++i) {
-      Matrix6d H = Matrix6d::Zero();
-      Vector6d g = Vector6d::Zero();
+      Matrix6d H = PriorInformation();
+      Vector6d g = H * Minus(X_WC, prior_.X_WC);
       ForEach(use, X_WC, [&](size_t, const LinearSighting& linear, double weight) {
         const auto J = linear.J.topRows(linear.rows);
         H += weight * J.transpose() * J;
@@ -127,7 +129,7 @@ class RigPoseProblem {
     result.X_WC = X_WC;
     result.use = use;
     result.by_point.assign(use.size(), Eigen::Matrix<double, 6, 3>::Zero());
-    Matrix6d H = Matrix6d::Zero(), own = Matrix6d::Zero();
+    Matrix6d H = PriorInformation(), own = H;
     std::map<std::pair<int, int>, Vector6d> cells;  // sum of J' r of each
     double error2 = 0;
     int rows = 0;
@@ -176,7 +178,14 @@ class RigPoseProblem {
     }
   }
 
+  Matrix6d PriorInformation() const {
+    Vector6d sigmas;
+    sigmas << Eigen::Vector3d::Constant(prior_.sigma_m), Eigen::Vector3d::Constant(prior_.sigma_rad);
+    return sigmas.array().square().inverse().matrix().asDiagonal();
+  }
+
   const std::vector<RigSighting>& sightings_;
+  RigPosePrior prior_;
   Pose X_RL_;
   RigPoseOptions options_;
   double limit2_[2], huber_[2];  ///< Of the left image; of both.
@@ -189,8 +198,9 @@ int CountUsed(const std::vector<SightingUse>& use) {
 }  // namespace
 
 std::optional<RigPoseResult> RefineRigPose(const std::vector<RigSighting>& sightings, const Pose& X_LR,
-                                           const Pose& guess, int min_inliers, const RigPoseOptions& options) {
-  const RigPoseProblem problem(sightings, X_LR, options);
+                                           const Pose& guess, const RigPosePrior& prior, int min_inliers,
+                                           const RigPoseOptions& options) {
+  const RigPoseProblem problem(sightings, X_LR, prior, options);
   Pose X_WC = guess;
   std::vector<SightingUse> use;
   for (int round = 0; round < options.rounds; ++round) {
@@ -204,10 +214,10 @@ std::optional<RigPoseResult> RefineRigPose(const std::vector<RigSighting>& sight
 }
 
 std::optional<RigPoseResult> EstimateRigPose(const std::vector<RigSighting>& sightings, const Pose& X_LR,
-                                             const Pose& guess, int min_inliers, const RigPoseOptions& options,
+                                             const RigPosePrior& prior, int min_inliers, const RigPoseOptions& options,
                                              RandomStream& random) {
   if (int(sightings.size()) < min_inliers) return {};
-  const Pose guess_CW = guess.Inverse();
+  const Pose guess_CW = prior.X_WC.Inverse();
   std::vector<PointSighting> seen;
   std::vector<Eigen::Matrix2d> whiten;
   for (const RigSighting& sighting : sightings) {
@@ -219,7 +229,10 @@ std::optional<RigPoseResult> EstimateRigPose(const std::vector<RigSighting>& sig
     whiten.push_back(Whitening(covariance));
   }
   const auto solve = [&](const std::vector<int>& three) {
-    return SolveThreePoint({seen[size_t(three[0])], seen[size_t(three[1])], seen[size_t(three[2])]});
+    constexpr double kMostSigmas = 4;
+    std::vector<Pose> poses = SolveThreePoint({seen[size_t(three[0])], seen[size_t(three[1])], seen[size_t(three[2])]});
+    std::erase_if(poses, [&](const Pose& X) { return prior.Deviation(X).cwiseAbs().maxCoeff() > kMostSigmas; });
+    return poses;
   };
   const auto error2 = [&](const Pose& X_WC, int i) {
     const Eigen::Vector3d p_C = X_WC.rotation.conjugate() * (seen[size_t(i)].p_W - X_WC.translation);
@@ -228,9 +241,9 @@ std::optional<RigPoseResult> EstimateRigPose(const std::vector<RigSighting>& sig
   };
   constexpr double kConfidence = 0.999;
   const RansacOptions robustly{options.ransac_sigmas, kConfidence, options.ransac_samples, 5};
-  const auto found = Ransac<Pose>(int(seen.size()), 3, robustly, random, solve, error2, {guess});
+  const auto found = Ransac<Pose>(int(seen.size()), 3, robustly, random, solve, error2, {prior.X_WC});
   if (int(found.inliers.size()) < min_inliers) return {};
-  return RefineRigPose(sightings, X_LR, found.model, min_inliers, options);
+  return RefineRigPose(sightings, X_LR, found.model, prior, min_inliers, options);
 }
 
 }  // namespace gaitcam

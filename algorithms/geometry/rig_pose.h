@@ -25,6 +25,20 @@ struct RigSighting {
   Eigen::Matrix2d covariance_right = Eigen::Matrix2d::Identity();
 };
 
+/// What is known of a pose before: a prediction, so wide that it decides nothing where images say anything.
+struct RigPosePrior {
+  Pose X_WC;
+  double sigma_m = 0, sigma_rad = 0;  ///< Standard deviations per axis, > 0.
+
+  /// Its deviation from the prediction, in standard deviations.
+  Vector6d Deviation(const Pose& X) const {
+    Vector6d tau = Minus(X, X_WC);
+    tau.head<3>() /= sigma_m;
+    tau.tail<3>() /= sigma_rad;
+    return tau;
+  }
+};
+
 /// What of a sighting a pose rests on.
 enum class SightingUse { kNone, kLeft, kBoth };
 
@@ -53,16 +67,17 @@ struct RigPoseResult {
   double mean_error2 = 0;  ///< Squared Mahalanobis length of the inliers' residuals, per dimension.
 };
 
-/// Refines a pose over the sightings that agree with it.
+/// Refines a pose over the sightings that agree with it, and the prior.
 /// @param X_LR maps points of the right camera into the left one.
 /// @returns nothing if fewer than `min_inliers` agree, or the pose is not determined. Never NaN.
 std::optional<RigPoseResult> RefineRigPose(const std::vector<RigSighting>& sightings, const Pose& X_LR,
-                                           const Pose& guess, int min_inliers, const RigPoseOptions& options);
+                                           const Pose& guess, const RigPosePrior& prior, int min_inliers,
+                                           const RigPoseOptions& options);
 
-/// The hypothesis of three points each (RANSAC on the left images, `guess` being judged first) that most agree with,
-/// refined.
+/// The hypothesis of three points each (RANSAC on the left images, the prior's being judged first) that most agree
+/// with, refined. Hypotheses beyond four standard deviations of the prior are none.
 std::optional<RigPoseResult> EstimateRigPose(const std::vector<RigSighting>& sightings, const Pose& X_LR,
-                                             const Pose& guess, int min_inliers, const RigPoseOptions& options,
+                                             const RigPosePrior& prior, int min_inliers, const RigPoseOptions& options,
                                              RandomStream& random);
 
 }  // namespace gaitcam

@@ -27,6 +27,13 @@ void ExposureMotion::Add(const Observation& observation) {
   readings_.insert(readings_.end(), observation.imu.begin(), observation.imu.end());
 }
 
+/// Readings of another time, as of a recording that was cut, are none.
+bool ExposureMotion::HasGyro() const {
+  constexpr int64_t kGap_ns = 20'000'000;
+  return use_imu_ && !readings_.empty() && readings_.front().stamp_ns < open_ns_ + kGap_ns &&
+         readings_.back().stamp_ns > close_ns_ - kGap_ns;
+}
+
 void ExposureMotion::AddPose(int64_t stamp_ns, const Pose& X_WC) {
   poses_.push_back({stamp_ns, X_WC});
   if (poses_.size() < 3) return;

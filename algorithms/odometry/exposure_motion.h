@@ -27,8 +27,9 @@ class ExposureMotion {
   /// To be told of every pose that was found.
   void AddPose(int64_t stamp_ns, const Pose& X_WC);
 
+  int64_t stamp_ns() const { return stamp_ns_; }  ///< Of the present frame.
   /// Whether the present frame's exposure was measured.
-  bool HasGyro() const { return use_imu_ && !readings_.empty(); }
+  bool HasGyro() const;
   /// Rotations over the present frame's exposure against its middle; none if it took no time or nothing is known.
   std::vector<ExposureRotation> Rotations() const;
   /// From the present frame's camera into the last frame's that had a pose; the identity where nothing is known.

@@ -33,8 +33,8 @@ struct KeypointNoiseOptions {
   double points_per_error = 2.5;
   /// A pose's own covariance is that of its residuals, which have the errors of its landmarks in them, too, by ...
   double residuals_share = 0.6;
-  double hidden_per_blur = 0.25;  ///< ... plus so much with each px of blur: what a fit hides, being common to all.
-  double offset_scale = 1.5;      ///< Of the smoothing in BlurOffset, in diameters of the key point.
+  double hidden_per_blur = 0.15;  ///< ... plus so much with each px of blur: what a fit hides, being common to all.
+  double offset_scale = 0.55;     ///< Of the smoothing in BlurOffset, in diameters of the key point.
 };
 
 template <class Visitor>

@@ -90,7 +90,8 @@ class StereoVo::Tracker {
   bool Begin(const StereoView& view, Record& record);
   bool Localize(const StereoView& view, Record& record);
   std::optional<Localized> FindPose(const StereoView& view);
-  std::optional<Localized> Refined(const StereoView& view, const Localized& rough) const;
+  std::optional<Localized> Refined(const StereoView& view, const Localized& rough, const RigPosePrior& prior) const;
+  RigPosePrior Prior() const;
   std::vector<RigSighting> Sightings(const StereoView& view, const std::vector<StereoMatch>& matches) const;
   Pose PredictPose() const;
   SinceKeyframe CompareWithKeyframe(const Localized& found) const;
@@ -202,28 +203,28 @@ bool StereoVo::Tracker::Localize(const StereoView& view, Record& record) {
 
 /// From the prediction, or from anywhere.
 std::optional<StereoVo::Tracker::Localized> StereoVo::Tracker::FindPose(const StereoView& view) {
-  const Pose guess = PredictPose();
+  const RigPosePrior prior = Prior();
   const double f = rig_.left.fx;
   for (const bool anywhere : {false, true}) {
     Localized rough;
     rough.matches = anywhere ? map_.SearchAnywhere(view, options_.ratio)
-                             : map_.SearchNear(view, guess, options_.search_px / f, options_.ratio);
-    const auto result = EstimateRigPose(Sightings(view, rough.matches), map_.rig().X_LR, guess, options_.min_inliers,
+                             : map_.SearchNear(view, prior.X_WC, options_.search_px / f, options_.ratio);
+    const auto result = EstimateRigPose(Sightings(view, rough.matches), map_.rig().X_LR, prior, options_.min_inliers,
                                         pose_options_, random_);
     if (!result) continue;
     rough.result = *result;
-    if (auto refined = Refined(view, rough)) return refined;
+    if (auto refined = Refined(view, rough, prior)) return refined;
   }
   return {};
 }
 
 /// Searched again near where the landmarks project from a pose.
-std::optional<StereoVo::Tracker::Localized> StereoVo::Tracker::Refined(const StereoView& view,
-                                                                       const Localized& rough) const {
+std::optional<StereoVo::Tracker::Localized> StereoVo::Tracker::Refined(const StereoView& view, const Localized& rough,
+                                                                       const RigPosePrior& prior) const {
   Localized refined;
   const double nearby_ratio = 0.5 + 0.5 * options_.ratio;  // a narrow search leaves few rivals
   refined.matches = map_.SearchNear(view, rough.result.X_WC, options_.narrow_px / rig_.left.fx, nearby_ratio);
-  const auto result = RefineRigPose(Sightings(view, refined.matches), map_.rig().X_LR, rough.result.X_WC,
+  const auto result = RefineRigPose(Sightings(view, refined.matches), map_.rig().X_LR, rough.result.X_WC, prior,
                                     options_.min_inliers, pose_options_);
   if (!result) return {};
   refined.result = *result;
@@ -240,6 +241,16 @@ std::vector<RigSighting> StereoVo::Tracker::Sightings(const StereoView& view,
 Pose StereoVo::Tracker::PredictPose() const {
   if (!last_) return {};
   return last_->pose * Pose(motion_.TurnSinceLastPose(), {0, 0, 0});
+}
+
+/// As far as a robot's head gets in the time since the last pose; its turn as exactly as the gyroscope of a bench
+/// calibration knows it, or as fast as a head turns.
+RigPosePrior StereoVo::Tracker::Prior() const {
+  constexpr double kSpeed_mps = 0.5, kTurn_rad_s = 2, kGyro_rad = 0.005, kGyroDrift_rad_s = 0.02;
+  const double seconds = last_ ? 1e-9 * double(motion_.stamp_ns() - last_->stamp_ns) : 0;
+  const double turned = motion_.HasGyro() ? kGyro_rad + kGyroDrift_rad_s * seconds : kTurn_rad_s * seconds;
+  constexpr double kLeast = 1e-3;
+  return {PredictPose(), kLeast + kSpeed_mps * seconds, kLeast + turned};
 }
 
 SinceKeyframe StereoVo::Tracker::CompareWithKeyframe(const Localized& found) const {
@@ -331,8 +342,10 @@ void StereoVo::Tracker::FinishRecord(Record& record) {
     sightings.push_back(sighting);
     landmarks.push_back(landmark);
   }
+  constexpr double kWide = 0.02;  // m and rad: later landmarks move it less
   const Pose guess = map_.keyframes()[size_t(record.keyframe)] * record.X_KC;
-  const auto result = RefineRigPose(sightings, map_.rig().X_LR, guess, options_.min_inliers, pose_options_);
+  const auto result =
+      RefineRigPose(sightings, map_.rig().X_LR, guess, {guess, kWide, kWide}, options_.min_inliers, pose_options_);
   if (result) {
     Answer(*result, landmarks, final_, record);
   } else {

@@ -133,6 +133,8 @@ std::vector<RigSighting> RigSightings(const World& world, const Pose& X_WC, Rand
   return sightings;
 }
 
+RigPosePrior Wide(const Pose& X_WC) { return {X_WC, 1, 1}; }
+
 TEST(RigPose, ItsCovarianceIsThatOfItsErrorsAndSoIsItsOwnPart) {
   const World world;
   const Pose truth = world.cameras[2];
@@ -146,7 +148,7 @@ TEST(RigPose, ItsCovarianceIsThatOfItsErrorsAndSoIsItsOwnPart) {
     for (const uint64_t image : {1u, 2u}) {
       RandomStream of_points(uint64_t(trial), "points"), of_images(10 * uint64_t(trial) + image, "images");
       const auto found =
-          RefineRigPose(RigSightings(world, truth, of_points, of_images), world.X_LR, truth, 15, options);
+          RefineRigPose(RigSightings(world, truth, of_points, of_images), world.X_LR, truth, Wide(truth), 15, options);
       ASSERT_TRUE(found);
       twins.push_back(*found);
     }
@@ -166,7 +168,7 @@ TEST(RigPose, IsFoundAmongMismatchesAndSaysWhichTheyAre) {
   for (size_t i = 0; i < sightings.size(); i += 3)
     sightings[i].left = {random.Uniform(-0.5, 0.5), random.Uniform(-0.4, 0.4)};
   for (size_t i = 1; i < sightings.size(); i += 9) sightings[i].right.x() += 0.1;
-  const auto found = EstimateRigPose(sightings, world.X_LR, Pose(), 15, {}, random);
+  const auto found = EstimateRigPose(sightings, world.X_LR, Wide(Pose()), 15, {}, random);
   ASSERT_TRUE(found);
   EXPECT_LT(Minus(found->X_WC, world.cameras[1]).norm(), 0.01);
   for (size_t i = 0; i < sightings.size(); ++i) {
@@ -178,11 +180,22 @@ TEST(RigPose, IsFoundAmongMismatchesAndSaysWhichTheyAre) {
   }
 }
 
+TEST(RigPose, IsNotLookedForWhereItCannotBe) {
+  const World world;
+  RandomStream of_points(1, "points"), of_images(1, "images"), random(1, "ransac");
+  const auto sightings = RigSightings(world, world.cameras[4], of_points, of_images);
+  const auto estimate = [&](double sigma) {
+    return EstimateRigPose(sightings, world.X_LR, {Pose(), sigma, sigma}, 15, {}, random);
+  };
+  EXPECT_TRUE(estimate(0.1)) << "32 cm away";
+  EXPECT_FALSE(estimate(0.01));
+}
+
 TEST(RigPose, TooFewSightingsGiveNone) {
   const World world(10);
   RandomStream of_points(1, "points"), of_images(1, "images"), random(1, "ransac");
   const auto sightings = RigSightings(world, world.cameras[1], of_points, of_images);
-  EXPECT_FALSE(EstimateRigPose(sightings, world.X_LR, Pose(), 15, {}, random));
+  EXPECT_FALSE(EstimateRigPose(sightings, world.X_LR, Wide(Pose()), 15, {}, random));
 }
 
 }  // namespace
