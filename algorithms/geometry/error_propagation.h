@@ -65,7 +65,7 @@ struct PropagatedMotion {
   /// Root of the sum over points of their squared nonlinearity. Weights that are made from measured points pull the
   /// motion by a square of each point's relative error, all in one direction.
   double weight_bias = 0;
-  /// The covariance says what it should, to a quarter in NEES: what of the above matters to this cost is small.
+  /// The covariance says what it should, to a sixth in NEES: what of the above matters to this cost is small.
   bool first_order_holds = false;
 };
 
