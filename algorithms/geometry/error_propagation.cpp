@@ -1,5 +1,6 @@
 #include "algorithms/geometry/error_propagation.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -30,6 +31,14 @@ Eigen::Vector3d SecondDerivative(int i, int j, const Eigen::Vector3d& p) {
   return 0.5 * (turn.cross(other.cross(p)) + other.cross(turn.cross(p)));
 }
 
+/// -e^T W g_ij, `pull` being W e in B's axes.
+Matrix6d Bend(const Eigen::Vector3d& pull, const Eigen::Vector3d& p_B) {
+  Matrix6d bend;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) bend(i, j) = -pull.dot(SecondDerivative(i, j, p_B));
+  return bend;
+}
+
 /// With e = p_A - X_AB p_B and g_i = d (X_AB Exp(tau) p_B) / d tau_i, half of Phi is -sum e^T W g_i, of its derivative
 /// by tau_j sum g_i^T W g_j - e^T W g_ij, by p_A -g_i^T W, and by p_B g_i^T W R - e^T W dg_i / dp_B.
 struct CostDerivatives {
@@ -38,7 +47,6 @@ struct CostDerivatives {
 
   CostDerivatives(const std::vector<PointMatch>& matches, const Pose& X_AB, MotionCost cost) {
     const Eigen::Matrix3d R = X_AB.R();
-    Matrix6d bend = Matrix6d::Zero();
     by_point.reserve(matches.size());
     for (const PointMatch& match : matches) {
       const Eigen::Matrix3d W = WeightOf(match, X_AB, cost);
@@ -46,13 +54,12 @@ struct CostDerivatives {
       g << R, -R * Hat(match.p_B);
       const Eigen::Vector3d pull = R.transpose() * (W * (match.p_A - X_AB * match.p_B));  // W e in B's axes
       without_residuals += g.transpose() * W * g;
-      for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) bend(i, j) -= pull.dot(SecondDerivative(i, j, match.p_B));
+      by_motion += Bend(pull, match.p_B);
       MotionJacobian d_phi{-g.transpose() * W, g.transpose() * W * R};
       d_phi.by_B.bottomRows<3>() -= Hat(pull).transpose();  // e^T W R (e_i x p) by p is (pull x e_i)^T
       by_point.push_back(d_phi);
     }
-    by_motion = without_residuals + bend;
+    by_motion += without_residuals;
   }
 
   std::vector<MotionJacobian> Jacobians() const {
@@ -61,10 +68,23 @@ struct CostDerivatives {
     for (const MotionJacobian& d_phi : by_point) jacobians.push_back({-inverse * d_phi.by_A, -inverse * d_phi.by_B});
     return jacobians;
   }
-  /// Of the rotation, which alone bends.
-  double Bending() const {
-    const Matrix6d ratio = InverseOfSymmetric<6>(without_residuals) * (by_motion - without_residuals);
-    return std::sqrt(std::max(0.0, (ratio * ratio).trace()));
+  /// What the residuals' part adds to the NEES, its root, for errors that have the matches' covariances: with a part B
+  /// of theirs and the rest G, an error tau of first order becomes tau - G^-1 B tau.
+  double ExpectedBending(const std::vector<PointMatch>& matches, const Pose& X_AB, MotionCost cost,
+                         const Matrix6d& covariance) const {
+    const Matrix6d inverse = InverseOfSymmetric<6>(without_residuals);
+    const Matrix6d information = InverseOfSymmetric<6>(covariance);
+    const Eigen::Matrix3d R_BA = X_AB.R().transpose();
+    double sum = 0;
+    for (const PointMatch& match : matches) {
+      const Eigen::Matrix3d L = MatchError(match, X_AB).covariance.llt().matrixL();
+      const Eigen::Matrix3d pulls = R_BA * WeightOf(match, X_AB, cost) * L;
+      for (int c = 0; c < 3; ++c) {
+        const Matrix6d ratio = inverse * Bend(pulls.col(c), match.p_B);
+        sum += (information * ratio * covariance * ratio.transpose()).trace();
+      }
+    }
+    return std::sqrt(std::max(0.0, sum));
   }
 };
 
@@ -126,9 +146,9 @@ PropagatedMotion PropagateMotion(const std::vector<StereoPointMatch>& matches, c
   motion.weight_bias = std::sqrt(sum);
   const Matrix6d second_order = motion.covariance_second + motion.bias * motion.bias.transpose();
   motion.nonlinearity = std::sqrt(std::max(0.0, (InverseOfSymmetric<6>(motion.covariance) * second_order).trace()));
-  motion.bending = derivatives.Bending();
+  motion.bending = derivatives.ExpectedBending(points, X_AB, cost, motion.covariance);
   // Limits from the map of `gaitcam experiment nees`.
-  constexpr double kNonlinearity = 0.5, kBending = 0.1, kWeightBias = 0.4;
+  constexpr double kNonlinearity = 0.5, kBending = 0.7, kWeightBias = 0.4;
   motion.first_order_holds = motion.nonlinearity < kNonlinearity && motion.bending < kBending &&
                              (cost == MotionCost::kDistances || motion.weight_bias < kWeightBias);
   return motion;

@@ -58,13 +58,14 @@ struct PropagatedMotion {
   Vector6d bias;               ///< Of second order: mean error of the motion from the points' own bias.
   Matrix6d covariance_second;  ///< What the points' terms of second order add to the covariance.
   double nonlinearity = 0;     ///< What these two add to the NEES, its root.
-  /// By how much residuals bend the cost, over its curvature without any: large where points err as much as the cloud
-  /// extends.
+  /// What the bending of the cost by residuals adds to the NEES, its root, expected for errors of the points'
+  /// covariances: large where points err as much as the cloud extends, or where a direction of the motion is known much
+  /// better than another.
   double bending = 0;
   /// Root of the sum over points of their squared nonlinearity. Weights that are made from measured points pull the
   /// motion by a square of each point's relative error, all in one direction.
   double weight_bias = 0;
-  /// The covariance says what it should, to a quarter in NEES: what of the above matters to this cost is small.
+  /// The covariance says what it should, to a sixth in NEES: what of the above matters to this cost is small.
   bool first_order_holds = false;
 };
 
