@@ -274,7 +274,7 @@ EntryVerdict JudgeEntry(const MeasuredEntry& before, const MeasuredEntry& now, c
     }
     const auto vanished = int(
         std::count_if(pairs.vanished.begin(), pairs.vanished.end(), [&](uint64_t seed) { return !is_restless(seed); }));
-    if (vanished > rules.lost_runs_allowed) {
+    if (vanished > std::max(rules.undetermined_allowed, rules.lost_runs_allowed)) {
       verdict.outcome = Outcome::kRegression;
       verdict.reason = fmt::format("{} of {} runs no longer determine it", vanished, before.runs.size());
     }

@@ -66,6 +66,7 @@ struct GateRules {
   double coverage_margin = 0.02;
   double lost_below = 0.5;
   int lost_runs_allowed = 0;
+  int undetermined_allowed = 0;
   int history = 4;
   double seed_margins = 5;
 };
@@ -83,6 +84,8 @@ void VisitFields(Visitor& visit, GateRules& o) {
         "a run that covers less than this part of what it covered before is lost");
   visit("lost_runs_allowed", o.lost_runs_allowed, Between(0, 100000),
         "more lost runs of one system on one scenario are a regression");
+  visit("undetermined_allowed", o.undetermined_allowed, Between(0, 100000),
+        "more runs that leave open what they determined before are a regression");
   visit("history", o.history, Between(0, 1000),
         "re-runs of each seed that a new baseline measures, with other random streams of the system: its own spread");
   visit("seed_margins", o.seed_margins, Between(0, 1e6),
