@@ -43,7 +43,10 @@ std::optional<LoopMotion> StereoLoops::Match(int keyframe, const StereoView& vie
     }
     sightings.push_back(sighting);
   }
-  const auto found = EstimateRigPose(sightings, rig.X_LR, guess, options_.loop_inliers, {}, random_);
+  constexpr double kAnywhere_m = 2,
+                   kAnywhere_rad = 1;  // so wide that it tells nothing: the odometry's share counts once
+  const RigPosePrior prior{guess, kAnywhere_m, kAnywhere_rad};
+  const auto found = EstimateRigPose(sightings, rig.X_LR, prior, options_.loop_inliers, {}, random_);
   if (!found || 100 * found->inliers < options_.loop_inlier_pct * double(sightings.size())) return std::nullopt;
   return LoopMotion{found->X_WC, found->covariance, found->inliers, int(sightings.size())};
 }
