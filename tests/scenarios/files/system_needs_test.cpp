@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -60,8 +61,15 @@ TEST(SystemNeeds, EveryShippedSystemGetsWhatItNeedsFromAPlainScenario) {
   setenv("GAITCAM_DATA", TestData().c_str(), 1);
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "s.yaml") << "robot: khr1hv_pan\nscene: plain\ncamera: {pitch_deg: 0}\n";
-  for (const SystemInfo& info : ListSystems())
-    EXPECT_NO_THROW(ReadScenario(folder.path() / "s.yaml", {"system=" + info.name})) << info.name;
+  for (const SystemInfo& info : ListSystems()) {
+    std::vector<std::string> assignments{"system=" + info.name};
+    const bool stereo = std::count(info.needs.begin(), info.needs.end(), SensorNeed::kStereo) > 0;
+    if (stereo) {
+      EXPECT_THROW(ReadScenario(folder.path() / "s.yaml", assignments), BadInput) << info.name << " with one eye";
+      assignments.push_back("camera.stereo.baseline_m=0.06");
+    }
+    EXPECT_NO_THROW(ReadScenario(folder.path() / "s.yaml", assignments)) << info.name;
+  }
 }
 
 }  // namespace
