@@ -1,7 +1,5 @@
 #include "algorithms/geometry/bundle_adjustment.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -11,12 +9,12 @@
 #include "algorithms/core/se3.h"
 #include "algorithms/geometry/inverse_depth.h"
 #include "algorithms/geometry/levenberg_marquardt.h"
+#include "algorithms/geometry/point_elimination.h"
 #include "algorithms/geometry/robust_loss.h"
 
 namespace gaitcam {
 namespace {
 
-using Matrix63 = Eigen::Matrix<double, 6, 3>;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
 
@@ -29,14 +27,7 @@ struct BundleState {
   std::vector<Eigen::Vector3d> points;  ///< Ray in the anchor, then inverse depth.
 };
 
-/// A change of all unknowns, and by how much the linearised problem's cost falls with it.
-struct BundleStep {
-  Eigen::VectorXd cameras;  ///< Six of each that is free, in the tangent of se3.h.
-  std::vector<Eigen::Vector3d> points;
-  double gain = 0;
-};
-
-/// Normal equations over cameras and points, of which the points are eliminated (Triggs et al., section 6.1).
+/// Normal equations over cameras and points.
 class BundleEquations {
  public:
   BundleEquations(const BundleProblem& problem, const BundleOptions& options);
@@ -44,22 +35,10 @@ class BundleEquations {
   double CostAt(const BundleState& state) const;
   /// @returns the cost there
   double Linearize(const BundleState& state);
-  /// The step with each unknown's curvature enlarged by this part; nothing where that is singular.
-  std::optional<BundleStep> Solve(double damping) const;
-  BundleState Moved(const BundleState& state, const BundleStep& step) const;
+  std::optional<PosePointStep> Solve(double damping) const { return SolvePosesAndPoints(equations_, damping); }
+  BundleState Moved(const BundleState& state, const PosePointStep& step) const;
 
  private:
-  /// What a point and one of the free cameras that see it have in common.
-  struct Link {
-    int camera = 0;  ///< Among the free ones.
-    Matrix63 H;
-  };
-  struct Point {
-    std::vector<int> observations;
-    std::vector<Link> links;  ///< By increasing camera.
-    Eigen::Matrix3d H;
-    Eigen::Vector3d g;
-  };
   /// Rotations as matrices.
   struct Views {
     std::vector<Eigen::Matrix3d> R_WC;
@@ -70,8 +49,7 @@ class BundleEquations {
   double PriorCost(size_t i, const Eigen::Vector3d& value) const;
   void AddPrior(size_t i, const Eigen::Vector3d& value);
   double AddObservation(const BundleObservation& observation, const BundleState& state, const Views& views);
-  Link* LinkOf(Point& point, int camera) const;
-  void AddBlocks(Point& point, int anchor, int camera, const Matrix26& J_anchor, const Matrix26& J_camera,
+  void AddBlocks(EliminatedPoint& point, int anchor, int camera, const Matrix26& J_anchor, const Matrix26& J_camera,
                  const Matrix23& J_point, const Eigen::Vector2d& residual, double weight);
 
   static constexpr double kBehind = 100;  ///< Standard deviations; constant, so that such a point has no pull.
@@ -80,31 +58,26 @@ class BundleEquations {
   BundleOptions options_;
   std::vector<int> free_;  ///< Of each camera its number among the free ones; -1: fixed.
   int free_count_ = 0;
-  std::vector<Point> points_;
-  Eigen::MatrixXd H_;  ///< Of the free cameras; its lower triangle.
-  Eigen::VectorXd g_;
+  std::vector<std::vector<int>> observations_;  ///< Of each point.
+  PosePointEquations equations_;                ///< Poses are the free cameras'.
 };
 
 BundleEquations::BundleEquations(const BundleProblem& problem, const BundleOptions& options)
-    : problem_(problem), options_(options), points_(problem.points.size()) {
+    : problem_(problem), options_(options), observations_(problem.points.size()) {
   for (const BundleCamera& camera : problem.cameras) free_.push_back(camera.fixed ? -1 : free_count_++);
+  std::vector<std::vector<int>> seen_by;
+  for (const BundlePoint& point : problem.points) {
+    GAITCAM_ASSERT(point.prior_sigma > 0 && point.sigma > 0);
+    seen_by.push_back({free_[size_t(point.anchor)]});
+  }
   for (size_t k = 0; k < problem.observations.size(); ++k) {
     const BundleObservation& observation = problem.observations[k];
-    GAITCAM_ASSERT(problem.points[size_t(observation.point)].anchor != observation.camera && observation.sigma > 0);
-    points_[size_t(observation.point)].observations.push_back(int(k));
+    const size_t i = size_t(observation.point);
+    GAITCAM_ASSERT(problem.points[i].anchor != observation.camera && observation.sigma > 0);
+    observations_[i].push_back(int(k));
+    seen_by[i].push_back(free_[size_t(observation.camera)]);
   }
-  for (size_t i = 0; i < points_.size(); ++i) {
-    GAITCAM_ASSERT(problem.points[i].prior_sigma > 0 && problem.points[i].sigma > 0);
-    std::vector<int> seen_by = {free_[size_t(problem.points[i].anchor)]};
-    for (const int k : points_[i].observations) {
-      seen_by.push_back(free_[size_t(problem.observations[size_t(k)].camera)]);
-    }
-    std::sort(seen_by.begin(), seen_by.end());
-    seen_by.erase(std::unique(seen_by.begin(), seen_by.end()), seen_by.end());
-    for (const int camera : seen_by) {
-      if (camera >= 0) points_[i].links.push_back({camera, Matrix63::Zero()});
-    }
-  }
+  equations_ = PosePointEquations(std::move(seen_by));
 }
 
 BundleEquations::Views BundleEquations::ViewsOf(const BundleState& state) {
@@ -129,19 +102,19 @@ void BundleEquations::AddPrior(size_t i, const Eigen::Vector3d& value) {
   const double information = 1 / (point.sigma * point.sigma);
   const double depth = (value.z() - point.prior_rho) / point.prior_sigma;
   const double weight = CauchyLoss(depth * depth).weight;
-  points_[i].H.diagonal() << information, information, weight / (point.prior_sigma * point.prior_sigma);
-  points_[i].g << information * (value.head<2>() - point.xy), weight * depth / point.prior_sigma;
+  equations_.points[i].H.diagonal() << information, information, weight / (point.prior_sigma * point.prior_sigma);
+  equations_.points[i].g << information * (value.head<2>() - point.xy), weight * depth / point.prior_sigma;
 }
 
 double BundleEquations::CostAt(const BundleState& state) const {
   const Views views = ViewsOf(state);
   double cost = 0;
-  for (size_t i = 0; i < points_.size(); ++i) {
+  for (size_t i = 0; i < observations_.size(); ++i) {
     const Eigen::Vector3d& value = state.points[i];
     const size_t anchor = size_t(problem_.points[i].anchor);
     cost += PriorCost(i, value);
     const AnchoredPoint seen(views.R_WC[anchor], state.cameras[anchor].translation, value.head<2>(), value.z());
-    for (const int k : points_[i].observations) {
+    for (const int k : observations_[i]) {
       const BundleObservation& observation = problem_.observations[size_t(k)];
       const auto xy = views.cameras[size_t(observation.camera)].Project(seen);
       const double squared =
@@ -154,17 +127,12 @@ double BundleEquations::CostAt(const BundleState& state) const {
 
 double BundleEquations::Linearize(const BundleState& state) {
   const Views views = ViewsOf(state);
-  H_ = Eigen::MatrixXd::Zero(6 * free_count_, 6 * free_count_);
-  g_ = Eigen::VectorXd::Zero(6 * free_count_);
+  equations_.SetZero(free_count_);
   double cost = 0;
-  for (size_t i = 0; i < points_.size(); ++i) {
-    points_[i].H.setZero();
-    for (Link& link : points_[i].links) link.H.setZero();
+  for (size_t i = 0; i < observations_.size(); ++i) {
     AddPrior(i, state.points[i]);
     cost += PriorCost(i, state.points[i]);
-    for (const int k : points_[i].observations) {
-      cost += AddObservation(problem_.observations[size_t(k)], state, views);
-    }
+    for (const int k : observations_[i]) cost += AddObservation(problem_.observations[size_t(k)], state, views);
   }
   return cost;
 }
@@ -186,84 +154,41 @@ double BundleEquations::AddObservation(const BundleObservation& observation, con
   J_anchor << value.z() * by_ray, -by_ray * Hat({value.x(), value.y(), 1});
   Matrix23 J_point;
   J_point << by_ray.leftCols<2>(), scale * sight->d_rho;
-  AddBlocks(points_[i], free_[anchor], free_[size_t(observation.camera)], J_anchor, J_camera, J_point, residual,
-            loss.weight);
+  AddBlocks(equations_.points[i], free_[anchor], free_[size_t(observation.camera)], J_anchor, J_camera, J_point,
+            residual, loss.weight);
   return loss.cost;
 }
 
-BundleEquations::Link* BundleEquations::LinkOf(Point& point, int camera) const {
-  if (camera < 0) return nullptr;
-  return &*std::find_if(point.links.begin(), point.links.end(), [&](const Link& l) { return l.camera == camera; });
-}
-
 /// @param anchor, camera among the free ones; -1: fixed.
-void BundleEquations::AddBlocks(Point& point, int anchor, int camera, const Matrix26& J_anchor,
+void BundleEquations::AddBlocks(EliminatedPoint& point, int anchor, int camera, const Matrix26& J_anchor,
                                 const Matrix26& J_camera, const Matrix23& J_point, const Eigen::Vector2d& residual,
                                 double weight) {
   const Eigen::Matrix<double, 6, 2> anchor_T = weight * J_anchor.transpose(), camera_T = weight * J_camera.transpose();
   const Eigen::Matrix<double, 3, 2> point_T = weight * J_point.transpose();
   point.H += point_T * J_point;
   point.g += point_T * residual;
-  if (Link* const link = LinkOf(point, anchor)) {
+  if (PosePointLink* const link = point.Find(anchor)) {
     link->H += anchor_T * J_point;
-    H_.block<6, 6>(6 * anchor, 6 * anchor) += anchor_T * J_anchor;
-    g_.segment<6>(6 * anchor) += anchor_T * residual;
+    equations_.H.block<6, 6>(6 * anchor, 6 * anchor) += anchor_T * J_anchor;
+    equations_.g.segment<6>(6 * anchor) += anchor_T * residual;
   }
-  if (Link* const link = LinkOf(point, camera)) {
+  if (PosePointLink* const link = point.Find(camera)) {
     link->H += camera_T * J_point;
-    H_.block<6, 6>(6 * camera, 6 * camera) += camera_T * J_camera;
-    g_.segment<6>(6 * camera) += camera_T * residual;
+    equations_.H.block<6, 6>(6 * camera, 6 * camera) += camera_T * J_camera;
+    equations_.g.segment<6>(6 * camera) += camera_T * residual;
   }
   if (anchor < 0 || camera < 0) return;
   if (camera > anchor) {
-    H_.block<6, 6>(6 * camera, 6 * anchor) += camera_T * J_anchor;
+    equations_.H.block<6, 6>(6 * camera, 6 * anchor) += camera_T * J_anchor;
   } else {
-    H_.block<6, 6>(6 * anchor, 6 * camera) += anchor_T * J_camera;
+    equations_.H.block<6, 6>(6 * anchor, 6 * camera) += anchor_T * J_camera;
   }
 }
 
-std::optional<BundleStep> BundleEquations::Solve(double damping) const {
-  constexpr double kLeastCurvature = 1e-6;
-  const auto extra = [&](const auto& diagonal) { return (damping * diagonal.cwiseMax(kLeastCurvature)).eval(); };
-  const Eigen::VectorXd extra_cameras = extra(H_.diagonal());
-  Eigen::MatrixXd S = H_;  // Schur's complement, the lower triangle
-  S.diagonal() += extra_cameras;
-  Eigen::VectorXd right = -g_;
-  std::vector<Eigen::Matrix3d> inverses(points_.size());
-  for (size_t i = 0; i < points_.size(); ++i) {
-    const Point& point = points_[i];
-    Eigen::Matrix3d H = point.H;
-    H.diagonal() += extra(point.H.diagonal());
-    inverses[i] = H.inverse();
-    for (size_t a = 0; a < point.links.size(); ++a) {
-      const Matrix63 W = point.links[a].H * inverses[i];
-      right.segment<6>(6 * point.links[a].camera) += W * point.g;
-      for (size_t b = 0; b <= a; ++b) {
-        S.block<6, 6>(6 * point.links[a].camera, 6 * point.links[b].camera).noalias() -=
-            W * point.links[b].H.transpose();
-      }
-    }
-  }
-  const Eigen::LLT<Eigen::MatrixXd> factors(S);
-  if (factors.info() != Eigen::Success) return {};
-  BundleStep step{factors.solve(right), {}, 0};
-  step.gain = 0.5 * (step.cameras.dot(extra_cameras.cwiseProduct(step.cameras)) - g_.dot(step.cameras));
-  for (size_t i = 0; i < points_.size(); ++i) {
-    const Point& point = points_[i];
-    Eigen::Vector3d sum = point.g;
-    for (const Link& link : point.links) sum += link.H.transpose() * step.cameras.segment<6>(6 * link.camera);
-    const Eigen::Vector3d change = -inverses[i] * sum;
-    step.gain += 0.5 * (change.dot(extra(point.H.diagonal()).cwiseProduct(change)) - point.g.dot(change));
-    step.points.push_back(change);
-  }
-  if (!step.cameras.allFinite() || !(step.gain > 0)) return {};
-  return step;
-}
-
-BundleState BundleEquations::Moved(const BundleState& state, const BundleStep& step) const {
+BundleState BundleEquations::Moved(const BundleState& state, const PosePointStep& step) const {
   BundleState moved = state;
   for (size_t k = 0; k < free_.size(); ++k) {
-    if (free_[k] >= 0) moved.cameras[k] = Plus(state.cameras[k], step.cameras.segment<6>(6 * free_[k]));
+    if (free_[k] >= 0) moved.cameras[k] = Plus(state.cameras[k], step.poses.segment<6>(6 * free_[k]));
   }
   for (size_t i = 0; i < step.points.size(); ++i) moved.points[i] += step.points[i];
   return moved;

@@ -68,9 +68,7 @@ RigSighting StereoMap::SightingOf(const StereoView& view, const StereoMatch& mat
 void StereoMap::AddKeyframe(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches,
                             const std::vector<SightingUse>& use, const Matrix6d& own) {
   const int keyframe = int(keyframes_.size());
-  shared_.push_back(Matrix6d::Zero());
   grown_.push_back(Matrix6d::Zero());
-  if (keyframe > 0) shared_.back() = CarryCovariance(shared_[size_t(keyframe) - 1], keyframes_.back().Inverse() * X_WC);
   keyframes_.push_back(X_WC);
   own_.push_back(own);
   for (size_t m = 0; m < matches.size(); ++m) {
@@ -190,7 +188,6 @@ void StereoMap::GrowShared(const StereoBundleResult& result) {
   const Pose X_ON = keyframes_[oldest].Inverse() * keyframes_[newest];
   const Matrix6d grown = whole - own_[newest] - CarryCovariance(own_[oldest], X_ON);
   grown_[newest] = options_.points_per_error * PositivePart(grown, whole) / double(newest - oldest);
-  shared_[newest] += grown_[newest];
 }
 
 Matrix6d StereoMap::GrownBetween(int from, int to) const {

@@ -78,11 +78,12 @@ class StereoMap {
   /// Index of the oldest keyframe that can still move.
   int WindowBegin() const;
 
-  /// Of each keyframe, the covariance of its pose that comes with the map: what grows from keyframe to keyframe and all
-  /// frames in between share. The first is exact, being the world.
-  const std::vector<Matrix6d>& shared_covariances() const { return shared_; }
-  /// The part of it that grew between two keyframes, as a covariance of their relative pose. Positive semidefinite.
+  /// What the map adds to the error of a motion between two of its keyframes, as a covariance of the later one's pose
+  /// relative to the earlier one's: it grows from keyframe to keyframe, and all frames in between share it. Positive
+  /// semidefinite.
   Matrix6d GrownBetween(int from, int to) const;
+  /// The same since the first keyframe, which is the world: of X_WK.
+  Matrix6d SharedCovariance(int keyframe) const { return GrownBetween(0, keyframe); }
 
  private:
   struct Window;
@@ -102,8 +103,7 @@ class StereoMap {
   Matrix6d rig_covariance_;  ///< Of prior_X_LR_.
   int prior_keyframe_ = 0;   ///< Whose window the prior came from.
   std::vector<Pose> keyframes_;
-  std::vector<Matrix6d> shared_;
-  std::vector<Matrix6d> grown_;  ///< At each keyframe, what shared_ grew by there.
+  std::vector<Matrix6d> grown_;  ///< Of each keyframe, what came between the one before and it.
   std::vector<Matrix6d> own_;    ///< Of each keyframe, the error of its own images.
   int first_keyframe_ = 0;       ///< Of the present map.
   std::vector<StereoLandmark> landmarks_;

@@ -171,7 +171,7 @@ bool StereoVo::Tracker::Begin(const StereoView& view, Record& record) {
   const Pose X_WC = map_.keyframes().back();
   record.answer.pose = X_WC;
   record.answer.own_covariance = record.unknown_motion;
-  record.answer.covariance = map_.shared_covariances().back() + record.unknown_motion;
+  record.answer.covariance = map_.SharedCovariance(record.keyframe) + record.unknown_motion;
   live_ = final_ = {X_WC, {}};
   last_ = {record.answer.stamp_ns, X_WC};
   motion_.AddPose(record.answer.stamp_ns, X_WC);
@@ -317,8 +317,7 @@ void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<in
   answer.pose = result.X_WC;
   answer.inliers = result.inliers;
   answer.own_covariance = own + record.unknown_motion;
-  answer.covariance =
-      *answer.own_covariance + CarryCovariance(map_.shared_covariances()[size_t(record.keyframe)], X_KC);
+  answer.covariance = *answer.own_covariance + CarryCovariance(map_.SharedCovariance(record.keyframe), X_KC);
   before = std::move(now);
 }
 

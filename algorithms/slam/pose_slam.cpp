@@ -31,7 +31,7 @@ double LargestSigma(const Eigen::Matrix3d& covariance) {
 PoseSlam::PoseSlam(const Calibration& calibration, const PoseSlamOptions& options, uint64_t seed)
     : options_(options),
       odometry_(calibration, options.odometry, seed),
-      loops_finder_(options.loops, seed),
+      finder_(options.loops, seed),
       random_(seed, "pose_slam") {
   CheckFields(options, "pose_slam.");
 }
@@ -40,8 +40,7 @@ FrameEstimate PoseSlam::Track(const Observation& observation) {
   const FrameEstimate answer = odometry_.Track(observation);
   const int keyframe = int(odometry_.map().keyframes().size()) - 1;
   if (const StereoView* view = odometry_.keyframe_view()) {
-    stamps_.push_back(observation.stamp_ns);
-    AddKeyframe(*view, answer.restarted);
+    AddKeyframe(*view, observation.stamp_ns, answer.restarted);
   }
   frame_keyframes_.push_back(answer.pose || answer.predicted ? keyframe : -1);
   return Corrected(answer, frame_keyframes_.back());
@@ -50,17 +49,17 @@ FrameEstimate PoseSlam::Track(const Observation& observation) {
 // ---------------------------------------------------------------------------------------------------------------------
 // Nodes.
 
-void PoseSlam::AddKeyframe(const StereoView& view, bool restarted) {
+void PoseSlam::AddKeyframe(const StereoView& view, int64_t stamp_ns, bool restarted) {
   const int keyframe = int(odometry_.map().keyframes().size()) - 1;
   begins_.push_back(restarted);
   ++graph_.candidates;
   if (keyframes_.size() > 1 && IsRedundant(keyframes_.size() - 1)) RemoveNode(keyframes_.size() - 1);
   keyframes_.push_back(keyframe);
-  GraphNode node{stamps_.back(), {}, Matrix6d::Zero()};
+  GraphNode node{stamp_ns, {}, Matrix6d::Zero()};
   node.X_WC = keyframes_.size() == 1 ? odometry_.map().keyframes().back()
                                      : graph_.nodes.back().X_WC * OdometryLink(keyframes_.size() - 1).X_FT;
   graph_.nodes.push_back(node);
-  loops_finder_.Keep(keyframe, view, odometry_.map().rig());
+  finder_.Keep(keyframe, view, odometry_.map().rig());
   Solve();
   CloseLoops(view);
 }
@@ -83,7 +82,7 @@ bool PoseSlam::IsRedundant(size_t node) const {
 
 /// The motion past it is the odometry's, from the node before to the one after.
 void PoseSlam::RemoveNode(size_t node) {
-  loops_finder_.Drop(keyframes_[node]);
+  finder_.Drop(keyframes_[node]);
   keyframes_.erase(keyframes_.begin() + long(node));
   graph_.nodes.erase(graph_.nodes.begin() + long(node));
 }
@@ -134,7 +133,7 @@ std::vector<PoseSlam::Candidate> PoseSlam::Candidates() const {
     const double sigma_rad = LargestSigma(candidate.covariance.bottomRightCorner<3, 3>());
     if (apart_m > options_.near_m + kSigmas * sigma_m) continue;
     if (apart_rad > kRadPerDeg * options_.near_deg + kSigmas * sigma_rad) continue;
-    candidate.apart = std::max(apart_m / options_.near_m, apart_rad / kRadPerDeg * options_.near_deg);
+    candidate.apart = std::max(apart_m / options_.near_m, apart_rad / (kRadPerDeg * options_.near_deg));
     candidates.push_back(candidate);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -147,7 +146,7 @@ std::vector<PoseSlam::Candidate> PoseSlam::Candidates() const {
 void PoseSlam::CloseLoops(const StereoView& view) {
   for (const Candidate& candidate : Candidates()) {
     const int from = keyframes_[size_t(candidate.node)];
-    auto motion = loops_finder_.Match(from, view, odometry_.map().rig(), candidate.X_FT);
+    auto motion = finder_.Match(from, view, odometry_.map().rig(), candidate.X_FT);
     if (!motion) continue;
     if (InnovationChi2(candidate.X_FT, candidate.covariance, motion->X_FT, motion->covariance) > options_.loop_gate)
       continue;
@@ -171,20 +170,23 @@ void PoseSlam::Plant(LoopMotion& motion) {
 // ---------------------------------------------------------------------------------------------------------------------
 // Frames.
 
+/// Stands to its node as the odometry has it. Its error is the node's, what grew since, and the frame's own.
 FrameEstimate PoseSlam::Corrected(const FrameEstimate& odometry, int keyframe) const {
   FrameEstimate answer = odometry;
   if (keyframe < 0) return answer;
-  const size_t node = size_t(NodeOf(keyframe));
+  const GraphNode& node = graph_.nodes[size_t(NodeOf(keyframe))];
+  const int node_keyframe = keyframes_[size_t(NodeOf(keyframe))];
   const StereoMap& map = odometry_.map();
-  const Pose& X_VN = map.keyframes()[size_t(keyframes_[node])];  // V: the odometry's world
-  const Pose X_WV = graph_.nodes[node].X_WC * X_VN.Inverse();
+  const Pose& X_VN = map.keyframes()[size_t(node_keyframe)];  // V: the odometry's world
+  const Pose X_WV = node.X_WC * X_VN.Inverse();
   if (answer.predicted) answer.predicted = X_WV * *answer.predicted;
   if (!answer.pose) return answer;
   const Pose X_NC = X_VN.Inverse() * *answer.pose;
+  const Pose X_KC = map.keyframes()[size_t(keyframe)].Inverse() * *answer.pose;
   answer.pose = X_WV * *answer.pose;
-  if (!answer.covariance) return answer;
-  const Matrix6d since = *answer.covariance - CarryCovariance(map.shared_covariances()[size_t(keyframes_[node])], X_NC);
-  answer.covariance = CarryCovariance(graph_.nodes[node].covariance, X_NC) + since;
+  if (!answer.own_covariance) return answer;
+  answer.covariance = CarryCovariance(node.covariance, X_NC) +
+                      CarryCovariance(map.GrownBetween(node_keyframe, keyframe), X_KC) + *answer.own_covariance;
   return answer;
 }
 

@@ -81,7 +81,7 @@ class PoseSlam {
     int from = 0, to = 0;  ///< Keyframes.
     LoopMotion motion;
   };
-  /// A node that an earlier frame may have seen the same from.
+  /// A node whose camera may have seen what the newest one sees.
   struct Candidate {
     int node = 0;
     double apart = 0;  ///< 0: they stand alike; 1: at the limits of near_m or near_deg.
@@ -89,7 +89,7 @@ class PoseSlam {
     Matrix6d covariance;
   };
 
-  void AddKeyframe(const StereoView& view, bool restarted);
+  void AddKeyframe(const StereoView& view, int64_t stamp_ns, bool restarted);
   bool IsRedundant(size_t node) const;
   void RemoveNode(size_t node);
   GraphLink OdometryLink(size_t node) const;
@@ -102,11 +102,10 @@ class PoseSlam {
 
   PoseSlamOptions options_;
   StereoVo odometry_;
-  StereoLoops loops_finder_;
+  StereoLoops finder_;
   RandomStream random_;
-  std::vector<int> keyframes_;   ///< Of each node, its keyframe's number.
-  std::vector<int64_t> stamps_;  ///< Of each keyframe.
-  std::vector<bool> begins_;     ///< Of each keyframe: a new map began, and what lies before is known only roughly.
+  std::vector<int> keyframes_;  ///< Of each node, its keyframe's number.
+  std::vector<bool> begins_;    ///< Of each keyframe: a new map began, and what lies before is known only roughly.
   std::vector<Loop> loops_;
   PoseGraph graph_;
   std::vector<int> frame_keyframes_;  ///< Of each frame, the keyframe it refers to; -1: none.

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "algorithms/core/errors.h"
+#include "results/reports/ground_drawing.h"
 #include "results/reports/html_page.h"
 #include "results/reports/page_file.h"
 #include "results/scoring/score_text.h"
@@ -17,65 +18,29 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// The ground that everything lies on, and its scale.
-struct Ground {
-  Vector2d low, high;
-  double unit;  ///< A hundredth of the larger side, m.
-
-  explicit Ground(const PlaceGraphComparison& comparison) {
-    low = Vector2d::Constant(1e9);
-    high = -low;
-    for (const auto* points : {&comparison.path_m, &comparison.nodes_m}) {
-      for (const Vector2d& p : *points) {
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
-      }
-    }
-    unit = std::max(0.5, (high - low).maxCoeff()) / 100;
-    low -= Vector2d::Constant(5 * unit);
-    high += Vector2d::Constant(5 * unit);
-  }
-  double x(const Vector2d& p) const { return p.x() - low.x(); }
-  double y(const Vector2d& p) const { return high.y() - p.y(); }
-};
-
-std::string Line(const Ground& ground, const Vector2d& a, const Vector2d& b, const char* kind) {
-  return fmt::format("<line class=\"{}\" x1=\"{:.3f}\" y1=\"{:.3f}\" x2=\"{:.3f}\" y2=\"{:.3f}\"/>", kind, ground.x(a),
-                     ground.y(a), ground.x(b), ground.y(b));
-}
-
-std::string Circle(const Ground& ground, const Vector2d& p, double radius_m, const std::string& kind) {
-  return fmt::format("<circle class=\"{}\" cx=\"{:.3f}\" cy=\"{:.3f}\" r=\"{:.3f}\"/>", kind, ground.x(p), ground.y(p),
-                     radius_m);
-}
-
 std::string Drawing(const PlaceGraphComparison& comparison, const PlaceGraph& graph) {
-  const Ground ground(comparison);
-  std::string html, points;
-  for (const Vector2d& p : comparison.path_m) points += fmt::format("{:.3f},{:.3f} ", ground.x(p), ground.y(p));
-  html += fmt::format("<polyline class=\"path\" points=\"{}\"/>", points);
+  std::vector<Vector2d> all = comparison.path_m;
+  all.insert(all.end(), comparison.nodes_m.begin(), comparison.nodes_m.end());
+  const GroundDrawing ground(all);
+  std::string html = ground.Path(comparison.path_m);
   for (const PlaceLink& link : graph.links) {
-    if (!link.loop) {
-      html += Line(ground, comparison.nodes_m[size_t(link.from)], comparison.nodes_m[size_t(link.to)], "link");
-    }
+    if (link.loop) continue;
+    html += ground.Line(comparison.nodes_m[size_t(link.from)], comparison.nodes_m[size_t(link.to)], "link");
   }
   for (const Revisit& crossing : comparison.crossings) {
-    html += Circle(ground, crossing.at_m, 3.2 * ground.unit, crossing.found ? "ring" : "ring missed");
+    html += ground.Circle(crossing.at_m, 3.2 * ground.unit(), crossing.found ? "ring" : "ring missed");
   }
   for (const ClosedLoop& loop : comparison.loops) {
-    html += Line(ground, loop.at_m, comparison.nodes_m[size_t(loop.to)], loop.right ? "right" : "wrong");
-    html += Circle(ground, loop.at_m, 0.5 * ground.unit, loop.right ? "right" : "wrong");
+    html += ground.Line(loop.at_m, comparison.nodes_m[size_t(loop.to)], loop.right ? "right" : "wrong");
+    html += ground.Circle(loop.at_m, 0.5 * ground.unit(), loop.right ? "right" : "wrong");
   }
   for (size_t n = 0; n < comparison.nodes_m.size(); ++n) {
     const Vector2d& p = comparison.nodes_m[n];
-    html += Circle(ground, p, 1.7 * ground.unit, "node");
+    html += ground.Circle(p, 1.7 * ground.unit(), "node");
     html += fmt::format("<text x=\"{:.3f}\" y=\"{:.3f}\" font-size=\"{:.3f}\">{}</text>", ground.x(p), ground.y(p),
-                        1.9 * ground.unit, n);
+                        1.9 * ground.unit(), n);
   }
-  return fmt::format(
-      "<div class=\"panel graph\"><svg viewBox=\"0 0 {:.3f} {:.3f}\" role=\"img\" aria-label=\"map\">{}"
-      "</svg></div>\n",
-      ground.high.x() - ground.low.x(), ground.high.y() - ground.low.y(), html);
+  return ground.Svg(html, "map");
 }
 
 /// The panorama, and in it where the view was found.

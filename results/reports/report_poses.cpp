@@ -9,6 +9,7 @@
 
 #include "algorithms/core/median.h"
 #include "algorithms/core/units.h"
+#include "results/reports/ground_drawing.h"
 #include "results/reports/html_page.h"
 #include "results/reports/page_file.h"
 #include "results/scoring/score_text.h"
@@ -35,40 +36,6 @@ Ellipse EllipseOf(const GraphNode& node, const Similarity& X_WV) {
           -kDegPerRad * std::atan2(major.y(), major.x())};  // the drawing's y points down
 }
 
-/// Positions on the ground, for a drawing whose y points down.
-class Ground {
- public:
-  explicit Ground(const std::vector<Vector2d>& points) {
-    low_ = Vector2d::Constant(1e9);
-    high_ = -low_;
-    for (const Vector2d& p : points) {
-      low_ = low_.cwiseMin(p);
-      high_ = high_.cwiseMax(p);
-    }
-    unit_ = std::max(0.5, (high_ - low_).maxCoeff()) / 100;
-    low_ -= Vector2d::Constant(5 * unit_);
-    high_ += Vector2d::Constant(5 * unit_);
-  }
-  double x(const Vector2d& p) const { return p.x() - low_.x(); }
-  double y(const Vector2d& p) const { return high_.y() - p.y(); }
-  double unit() const { return unit_; }  ///< A hundredth of the larger side, m.
-  std::string Svg(const std::string& content) const {
-    return fmt::format(
-        "<div class=\"panel graph\"><svg viewBox=\"0 0 {:.3f} {:.3f}\" role=\"img\" "
-        "aria-label=\"pose graph\">{}</svg></div>\n",
-        high_.x() - low_.x(), high_.y() - low_.y(), content);
-  }
-
- private:
-  Vector2d low_, high_;
-  double unit_;
-};
-
-std::string LinkLine(const Ground& ground, const Vector2d& a, const Vector2d& b, const char* kind) {
-  return fmt::format("<line class=\"{}\" x1=\"{:.3f}\" y1=\"{:.3f}\" x2=\"{:.3f}\" y2=\"{:.3f}\"/>", kind, ground.x(a),
-                     ground.y(a), ground.x(b), ground.y(b));
-}
-
 /// Ellipses are so many times their true size that the median one can be seen.
 double Magnification(const std::vector<Ellipse>& ellipses, double unit_m) {
   constexpr double kVisible = 1.5;  // in units of the drawing
@@ -89,14 +56,12 @@ ReportSection PoseGraphReportSection(const PoseGraphComparison& comparison, cons
   for (const GraphNode& node : graph.nodes) nodes.push_back((X_WV * node.X_WC.translation).head<2>());
   all = path;
   all.insert(all.end(), nodes.begin(), nodes.end());
-  const Ground ground(all);
+  const internal::GroundDrawing ground(all);
   std::vector<Ellipse> ellipses;
   for (const GraphNode& node : graph.nodes) ellipses.push_back(EllipseOf(node, X_WV));
   const double magnification = Magnification(ellipses, ground.unit());
 
-  std::string content, points;
-  for (const Vector2d& p : path) points += fmt::format("{:.3f},{:.3f} ", ground.x(p), ground.y(p));
-  content += fmt::format("<polyline class=\"path\" points=\"{}\"/>", points);
+  std::string content = ground.Path(path);
   for (size_t n = 0; n < nodes.size(); ++n) {
     const Vector2d axes = (magnification * ellipses[n].axes_m).cwiseMax(0.2 * ground.unit());
     content += fmt::format(
@@ -106,12 +71,12 @@ ReportSection PoseGraphReportSection(const PoseGraphComparison& comparison, cons
         1e3 * ellipses[n].axes_m.x(), 1e3 * ellipses[n].axes_m.y());
   }
   for (const GraphLink& link : graph.links) {
-    if (!link.loop) content += LinkLine(ground, nodes[size_t(link.from)], nodes[size_t(link.to)], "link");
+    if (!link.loop) content += ground.Line(nodes[size_t(link.from)], nodes[size_t(link.to)], "link");
   }
   for (const JudgedLoop& loop : comparison.loops) {
     const GraphLink& link = graph.links[size_t(loop.link)];
     const char* kind = !loop.kept ? "refused" : loop.right ? "right" : "wrong";
-    content += LinkLine(ground, nodes[size_t(link.from)], nodes[size_t(link.to)], kind);
+    content += ground.Line(nodes[size_t(link.from)], nodes[size_t(link.to)], kind);
   }
   ReportSection section;
   section.body = "<h2>Pose graph</h2>\n" +
@@ -121,7 +86,7 @@ ReportSection PoseGraphReportSection(const PoseGraphComparison& comparison, cons
                                 {"bad", "false ones that are trusted", "dashed"},
                                 {"se3", "links found false", "dashed"}},
                                "") +
-                 ground.Svg(content) +
+                 ground.Svg(content, "pose graph") +
                  fmt::format(
                      "<p>Ellipses: 95 % of each pose's position, drawn {:.0f} times as large; the first pose is "
                      "the world.</p>\n",

@@ -15,25 +15,26 @@ JetOfJets Number(double value) {
   return JetOfJets(decltype(JetOfJets::a)(value));
 }
 
-/// dy/dx where y minimises C(x, y) (Valencia, Eq. 2.23), all second derivatives by jets of jets.
+/// dy/dx where y minimises C(x, y) (Valencia, Eq. 2.23), all second derivatives by jets of jets: C by each variable in
+/// turn, by all of y at once.
 /// @param cost  (const std::array<T, X + Y>&) -> T for jets of jets T, constants by Number<T>(); x first, then y
 template <int X, int Y, class Cost>
 Eigen::MatrixXd ImplicitJacobian(const Cost& cost, const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
-  using Inner = ceres::Jet<double, X + Y>;
+  using Inner = ceres::Jet<double, 1>;
   using Outer = ceres::Jet<Inner, Y>;  // by y alone: its derivatives are Phi
-  std::array<Outer, size_t(X + Y)> variables;
-  for (int i = 0; i < X + Y; ++i) {
-    Outer& variable = variables[size_t(i)];
-    variable.a = Inner(i < X ? x[i] : y[i - X], i);
-    for (int j = 0; j < Y; ++j) variable.v[j] = Inner(j == i - X ? 1.0 : 0.0);
+  Eigen::MatrixXd by_all(Y, X + Y);
+  for (int turn = 0; turn < X + Y; ++turn) {
+    std::array<Outer, size_t(X + Y)> variables;
+    for (int i = 0; i < X + Y; ++i) {
+      Outer& variable = variables[size_t(i)];
+      variable.a = Inner(i < X ? x[i] : y[i - X]);
+      variable.a.v[0] = i == turn ? 1.0 : 0.0;
+      for (int j = 0; j < Y; ++j) variable.v[j] = Inner(j == i - X ? 1.0 : 0.0);
+    }
+    const Outer value = cost(variables);
+    for (int j = 0; j < Y; ++j) by_all(j, turn) = value.v[j].v[0];
   }
-  const Outer value = cost(variables);
-  Eigen::MatrixXd by_y(Y, Y), by_x(Y, X);
-  for (int j = 0; j < Y; ++j) {
-    for (int i = 0; i < X; ++i) by_x(j, i) = value.v[j].v[i];
-    for (int i = 0; i < Y; ++i) by_y(j, i) = value.v[j].v[X + i];
-  }
-  return -by_y.fullPivLu().solve(by_x);
+  return -by_all.rightCols<Y>().fullPivLu().solve(by_all.leftCols<X>());
 }
 
 }  // namespace gaitcam

@@ -17,6 +17,8 @@ using ::testing::HasSubstr;
 SystemSetup SetupWith(const SystemSettings& settings = {}) {
   SystemSetup setup;
   setup.calibration.camera = CameraModel::FromHorizontalFov(320, 240, 60);
+  setup.calibration.right = setup.calibration.camera;
+  setup.calibration.X_LR.translation.x() = 0.06;
   setup.calibration.standing = StandingCamera{0.3, -Eigen::Vector3d::UnitY()};
   setup.settings = settings;
   return setup;
@@ -32,6 +34,7 @@ TEST(Systems, AreListedByNameAndCanAllBeMadeWithTheirDefaults) {
     Observation black;
     black.stamp_ns = 42;
     black.image = {42, cv::Mat::zeros(240, 320, CV_8UC1)};
+    black.right = black.image;
     const FrameEstimate answer = system->Track(black);
     EXPECT_EQ(answer.stamp_ns, 42) << info.name;
     EXPECT_EQ(answer.status, TrackingStatus::kInitializing) << info.name;

@@ -9,6 +9,7 @@
 #include "results/scoring/floor_pose.h"
 #include "results/scoring/floor_score.h"
 #include "results/scoring/place_graph_score.h"
+#include "results/scoring/pose_graph_score.h"
 #include "tests/results/scoring/synthetic.h"
 
 namespace gaitcam {
@@ -40,6 +41,7 @@ TEST(ScoreCatalogue, OfMapsIsWhatMapsAreScoredBy) {
   std::vector<Score> scores = CompareFloor({}, truth, {}).scores;
   for (const Score& score : Evaluate(FloorPoseMetrics(), MeasureFloorPoses({}))) scores.push_back(score);
   for (const Score& score : ComparePlaceGraph({}, {StampedPose()}).scores) scores.push_back(score);
+  for (const Score& score : ComparePoseGraph({}, {StampedPose()}).scores) scores.push_back(score);
   EXPECT_THAT(Described(scores), testing::ElementsAreArray(Described(MapScoreCatalogue())));
 }
 
@@ -70,8 +72,7 @@ TEST(ScoreCatalogue, KnowsTheScoresOfMaps) {
   int loops = 0;
   for (const Score& score : MapScoreCatalogue()) {
     loops += score.name == "loops_false" && score.better == Better::kLower;
-    EXPECT_TRUE(score.name.starts_with("map_") || score.name.starts_with("place_") || score.name.starts_with("loop"))
-        << score.name;
+    EXPECT_THAT(score.name, testing::MatchesRegex("(map|place|graph|loops?)_.*"));
     EXPECT_TRUE(std::isnan(score.value)) << score.name;
     if (score.name == "map_ncc") {
       EXPECT_EQ(score.better, Better::kHigher);

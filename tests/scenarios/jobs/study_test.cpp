@@ -60,7 +60,8 @@ TEST_F(StudyTest, WritesATidyTablePerRunAndWhatItMeans) {
   EXPECT_EQ(json.at("runs"), 4);
   EXPECT_EQ(json.at("conditions"), 4);
   EXPECT_EQ(json.at("reused"), 0);
-  EXPECT_EQ(json.at("effects").size(), 8);  // exposure overall and within two systems, the system: four of two scores
+  // exposure overall and within two systems, the system: four of two scores, each of the final and of the live answer
+  EXPECT_EQ(json.at("effects").size(), 16);
   const std::string runs = ReadText(Path("out/runs.csv"));
   EXPECT_THAT(runs, testing::StartsWith("camera.exposure_ms,system,seed,hash,status,failure,blur_median_px,frames,"));
   EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 5);
