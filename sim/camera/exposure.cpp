@@ -297,7 +297,7 @@ void ExposingCamera::TracePaths(const MotionRecord& record, std::span<const int>
 
 LatentFrame ExposingCamera::Film(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns,
                                  const TruthOptions& wanted, RandomStream noise) {
-  LatentFrame latent(wanted, std::move(noise));
+  LatentFrame latent(wanted, noise);
   latent.frame.image.stamp_ns = stamp_ns;
   FilmedTruth& truth = latent.frame.truth;
   // Depth and motion determine the sub-frames, so they are measured whatever truth is requested: the image must not

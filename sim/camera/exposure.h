@@ -66,7 +66,7 @@ struct FilmOptions {
 
 /// What one exposure gathered, before it is developed. It owns all that developing needs.
 struct LatentFrame {
-  LatentFrame(const TruthOptions& wanted, RandomStream noise) : wanted(wanted), noise(std::move(noise)) {}
+  LatentFrame(const TruthOptions& wanted, RandomStream noise) : wanted(wanted), noise(noise) {}
 
   TruthOptions wanted;
   RandomStream noise;
