@@ -146,6 +146,12 @@ std::string Paths(const ReportInput& input) {
     key.push_back({"sim3", "final estimate after Sim(3) alignment", "", "sim3"});
     if (input.scores->live) key.push_back({"purple", "live, after its own Sim(3) alignment", "", "live"});
     key.push_back({"se3", "final, after SE(3) alignment", "dashed", "se3"});
+    if (internal::HasCovariances(input)) {
+      key.push_back({"green",
+                     fmt::format("95 % of its position by its covariance, {:g} times as large",
+                                 internal::PathEllipseMagnification(input)),
+                     "", "ellipses"});
+    }
     heading = Panel("heading", "Turned about the vertical", {{"truth", "truth"}, {"sim3", "estimate"}}, 165);
   }
   const std::string head = "<h2>Path</h2>\n" + Key(key, "top side");

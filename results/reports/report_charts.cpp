@@ -1,10 +1,14 @@
 #include "results/reports/report_charts.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "algorithms/core/units.h"
+#include "results/reports/covariance_ellipse.h"
+#include "results/scoring/alignment.h"
 #include "results/scoring/consistency.h"
 #include "results/scoring/jumps.h"
 #include "results/scoring/metrics.h"
@@ -49,18 +53,66 @@ Json PathJson(const Trajectory& trajectory) {
   return {{"x", x}, {"y", y}, {"z", z}};
 }
 
-Json PathsJson(const ReportInput& input) {
+/// Extent of the true path.
+struct PathBox {
   Eigen::Array3d low = Eigen::Array3d::Constant(1e300), high = -low;
-  for (const StampedPose& p : input.truth) {
-    low = low.min(p.pose.translation.array());
-    high = high.max(p.pose.translation.array());
+  explicit PathBox(const Trajectory& truth) {
+    for (const StampedPose& p : truth) {
+      low = low.min(p.pose.translation.array());
+      high = high.max(p.pose.translation.array());
+    }
   }
+};
+
+/// Ellipses along the path after SE(3) alignment, far enough apart to be told from each other.
+struct PathEllipses {
+  std::vector<Eigen::Vector2d> centres_m;
+  std::vector<PositionEllipse> ellipses;
+  double magnification = 1;
+
+  explicit PathEllipses(const ReportInput& input) {
+    constexpr size_t kMost = 40;
+    const AlignmentResult& se3 = input.scores->last.se3;
+    const std::vector<PosePair> pairs = Apply(se3.X_WV, input.scores->last.pairs);
+    const size_t step = pairs.size() / kMost + 1;
+    for (size_t i = 0; i < pairs.size(); i += step) {
+      if (!pairs[i].covariance) continue;
+      centres_m.push_back(pairs[i].estimate.translation.head<2>());
+      ellipses.push_back(EllipseOf(pairs[i].estimate.rotation, *pairs[i].covariance));
+    }
+    const PathBox box(input.truth);
+    magnification = EllipseMagnification(ellipses, (box.high - box.low).head<2>().maxCoeff() / 100);
+  }
+};
+
+/// Their outlines, a null after each.
+Json EllipsesJson(const PathEllipses& along) {
+  constexpr int kCorners = 24;
+  Json x = Json::array(), y = Json::array();
+  for (size_t n = 0; n < along.ellipses.size(); ++n) {
+    const Eigen::Rotation2Dd turn(along.ellipses[n].turn_rad);
+    for (int k = 0; k <= kCorners; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kCorners;
+      const Eigen::Vector2d on =
+          along.ellipses[n].axes_m.cwiseProduct(Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      const Eigen::Vector2d p = along.centres_m[n] + along.magnification * (turn * on);
+      x.push_back(Rounded(p.x()));
+      y.push_back(Rounded(p.y()));
+    }
+    for (Json* column : {&x, &y}) column->push_back(nullptr);
+  }
+  return {{"x", x}, {"y", y}};
+}
+
+Json PathsJson(const ReportInput& input) {
+  const auto [low, high] = PathBox(input.truth);
   Json json = {{"truth", PathJson(input.truth)}};
   json["side_axis"] = high.y() - low.y() > high.x() - low.x() ? "y" : "x";  // the side from which most is seen
   if (HasPoses(input)) {
     json["sim3"] = PathJson(input.scores->last.aligned_sim3);
     json["se3"] = PathJson(input.scores->last.aligned_se3);
     if (input.scores->live) json["live"] = PathJson(input.scores->live->aligned_sim3);
+    if (HasCovariances(input)) json["ellipses"] = EllipsesJson(PathEllipses(input));
   }
   return json;
 }
@@ -195,6 +247,8 @@ bool HasCovariances(const ReportInput& input) {
   const std::vector<PosePair>& pairs = input.scores->last.pairs;
   return std::any_of(pairs.begin(), pairs.end(), [](const PosePair& pair) { return pair.covariance.has_value(); });
 }
+
+double PathEllipseMagnification(const ReportInput& input) { return PathEllipses(input).magnification; }
 
 bool HasGait(const ReportInput& input) {
   return std::any_of(input.frames.begin(), input.frames.end(),

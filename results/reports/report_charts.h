@@ -19,6 +19,8 @@ struct ReportClock {
 bool HasPoses(const ReportInput& input);
 bool HasGait(const ReportInput& input);
 bool HasCovariances(const ReportInput& input);
+/// So many times its true size is each ellipse of the path's chart drawn.
+double PathEllipseMagnification(const ReportInput& input);
 
 /// JSON, as results/reports/page/report.js reads it: columns over time, paths, spans without a pose.
 std::string ReportChartData(const ReportInput& input);

@@ -2,52 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "algorithms/core/median.h"
 #include "algorithms/core/units.h"
+#include "results/reports/covariance_ellipse.h"
 #include "results/reports/ground_drawing.h"
 #include "results/reports/html_page.h"
 #include "results/reports/page_file.h"
 #include "results/scoring/score_text.h"
 
 namespace gaitcam {
-namespace {
-
 using Eigen::Vector2d;
-
-/// Semi-axes of a 95 % ellipse, m, and its direction in the drawing.
-struct Ellipse {
-  Vector2d axes_m;
-  double turn_deg = 0;
-};
-
-/// Of a node's position seen from above.
-Ellipse EllipseOf(const GraphNode& node, const Similarity& X_WV) {
-  const double k95 = std::sqrt(5.991);  // chi-square of two degrees of freedom
-  const Eigen::Matrix3d R = (X_WV.rotation * node.X_WC.rotation).toRotationMatrix();
-  const Eigen::Matrix3d covariance = R * node.covariance.topLeftCorner<3, 3>() * R.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
-  const Vector2d major = axes.eigenvectors().col(1);
-  return {k95 * axes.eigenvalues().cwiseMax(0).cwiseSqrt().reverse(),
-          -kDegPerRad * std::atan2(major.y(), major.x())};  // the drawing's y points down
-}
-
-/// Ellipses are so many times their true size that the median one can be seen.
-double Magnification(const std::vector<Ellipse>& ellipses, double unit_m) {
-  constexpr double kVisible = 1.5;  // in units of the drawing
-  std::vector<double> majors;
-  for (const Ellipse& ellipse : ellipses) majors.push_back(ellipse.axes_m.x());
-  const double median_m = majors.empty() ? 0 : UpperMedian(std::move(majors));
-  if (median_m <= 0) return 1;
-  const double wanted = kVisible * unit_m / median_m;
-  return wanted <= 1 ? 1 : std::pow(10, std::round(std::log10(wanted)));
-}
-
-}  // namespace
 
 ReportSection PoseGraphReportSection(const PoseGraphComparison& comparison, const PoseGraph& graph,
                                      const Trajectory& truth, const Similarity& X_WV) {
@@ -57,9 +24,11 @@ ReportSection PoseGraphReportSection(const PoseGraphComparison& comparison, cons
   all = path;
   all.insert(all.end(), nodes.begin(), nodes.end());
   const internal::GroundDrawing ground(all);
-  std::vector<Ellipse> ellipses;
-  for (const GraphNode& node : graph.nodes) ellipses.push_back(EllipseOf(node, X_WV));
-  const double magnification = Magnification(ellipses, ground.unit());
+  std::vector<internal::PositionEllipse> ellipses;
+  for (const GraphNode& node : graph.nodes) {
+    ellipses.push_back(internal::EllipseOf(X_WV.rotation * node.X_WC.rotation, node.covariance));
+  }
+  const double magnification = internal::EllipseMagnification(ellipses, ground.unit());
 
   std::string content = ground.Path(path);
   for (size_t n = 0; n < nodes.size(); ++n) {
@@ -67,7 +36,7 @@ ReportSection PoseGraphReportSection(const PoseGraphComparison& comparison, cons
     content += fmt::format(
         "<ellipse class=\"covariance\" rx=\"{:.4f}\" ry=\"{:.4f}\" transform=\"translate({:.3f} {:.3f}) "
         "rotate({:.1f})\"><title>node {}: 95 % ellipse {:.1f} x {:.1f} mm</title></ellipse>",
-        axes.x(), axes.y(), ground.x(nodes[n]), ground.y(nodes[n]), ellipses[n].turn_deg, n,
+        axes.x(), axes.y(), ground.x(nodes[n]), ground.y(nodes[n]), -kDegPerRad * ellipses[n].turn_rad, n,
         1e3 * ellipses[n].axes_m.x(), 1e3 * ellipses[n].axes_m.y());
   }
   for (const GraphLink& link : graph.links) {

@@ -214,15 +214,15 @@ std::vector<PoseMetric> ConsistencyMetrics(const ScoreOptions& options) {
   const std::string suffix = fmt::format("_{:g}s", options.rpe_seconds);
   return {{"nees", "", Better::kNearOne, kGroup,
            "squared error of a pose over its stated covariance, mean per dimension; above 1 it is overconfident",
-           [](const auto& m) { return m.nees; }},
+           [](const auto& m) { return m.nees; }, true},
           {"nees_in_band_ratio", "", Better::kNeither, kGroup, "part of the poses within its 95 % band",
            [](const auto& m) { return m.nees_in_band; }},
           {"nees" + suffix, "", Better::kNearOne, kGroup, "the same of the motion over " + interval,
-           [](const auto& m) { return m.nees_relative; }},
+           [](const auto& m) { return m.nees_relative; }, true},
           {"nees_in_band_ratio" + suffix, "", Better::kNeither, kGroup, "part of these motions within the band",
            [](const auto& m) { return m.nees_relative_in_band; }},
           {"nees_1f", "", Better::kNearOne, kGroup, "the same of the motion from frame to frame",
-           [](const auto& m) { return m.nees_frame; }},
+           [](const auto& m) { return m.nees_frame; }, true},
           {"nees_in_band_ratio_1f", "", Better::kNeither, kGroup, "part of these motions within the band",
            [](const auto& m) { return m.nees_frame_in_band; }}};
 }

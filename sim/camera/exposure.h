@@ -116,7 +116,7 @@ class ExposingCamera {
   /// Both in one.
   ExposedFrame Expose(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, const TruthOptions& truth,
                       RandomStream noise) {
-    return Develop(Film(renderer, record, stamp_ns, truth, std::move(noise)));
+    return Develop(Film(renderer, record, stamp_ns, truth, noise));
   }
 
   /// Of the frames that are filmed from now on.

@@ -89,6 +89,9 @@ function path(canvas, view) {
     if (p.live) datasets.push(line('live', 'live, Sim(3)', 'purple', xy(p.live[h], p.live[v]), {borderWidth: 1.2}));
     datasets.push(line('se3', 'estimate, SE(3)', 'se3', xy(p.se3[h], p.se3[v]), {borderWidth: 1.6, borderDash: [5, 4]}));
   }
+  if (p.ellipses && v === 'y') {
+    datasets.push(line('ellipses', '95 % by its covariance', 'green', xy(p.ellipses.x, p.ellipses.y), {borderWidth: 1, tension: 0}));
+  }
   const last = p.truth[h].length - 1;
   const mark = (label, i, more) => datasets.push(Object.assign({label, type: 'scatter', pointHitRadius: 0,
     data: [{x: p.truth[h][i], y: p.truth[v][i]}]}, more));

@@ -36,7 +36,7 @@ Texts VerbNames(const CLI::App& app) {
 
 /// @param given operands and options that stand before it.
 Texts Operands(const CLI::App& app, const CLI::App& verb, const Texts& given) {
-  const std::string name = verb.get_name();
+  const std::string& name = verb.get_name();
   if (name == "help") return VerbNames(app);
   if (name == "list") return given.empty() ? ListedKinds() : ListedNames(given.back());
   Texts words;

@@ -2,16 +2,26 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "results/scoring/score_text.h"
 
 namespace gaitcam {
+namespace {
+
+/// Most systems state no covariance: lines without a figure would say nothing.
+bool SumsUp(const Score& score) {
+  return score.headline && (score.group != ScoreGroup::kConsistency || std::isfinite(score.value));
+}
+
+}  // namespace
 
 std::string SummaryText(const Scores& scores, const std::vector<Score>& of_film, bool all) {
   Scores shown;
   size_t left_out = 0;
   for (const auto list : {&Scores::scores, &Scores::timing}) {
     for (const Score& score : scores.*list) {
-      if (all || score.headline) {
+      if (all || SumsUp(score)) {
         (shown.*list).push_back(score);
       } else if (!score.name.starts_with("live_")) {  // these stand in the rows of the others
         ++left_out;

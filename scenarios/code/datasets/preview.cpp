@@ -30,7 +30,7 @@ void DrawBlur(const cv::Mat& vectors, double scale, cv::Mat& tile) {
   const int step = std::max(1, int(std::lround(kArrowStep_px / scale)));
   for (int y = step / 2; y < vectors.rows; y += step) {
     for (int x = step / 2; x < vectors.cols; x += step) {
-      const auto v = vectors.at<cv::Vec2f>(y, x);
+      const auto& v = vectors.at<cv::Vec2f>(y, x);
       if (std::isnan(v[0])) continue;
       const cv::Point2d middle((x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5),
           half(v[0] * scale / 2, v[1] * scale / 2);

@@ -250,7 +250,7 @@ class TruthCheck {
     const int middle = depth.rows / 2;  // a rolling shutter's open and close are those of the middle row
     for (int v = readout_ms_ > 0 ? middle : 2; v < (readout_ms_ > 0 ? middle + 1 : depth.rows); v += 6) {
       for (int u = 2; u<depth.cols; u += readout_ms_> 0 ? 1 : 6) {
-        const auto given = vectors.at<cv::Vec2f>(v, u);
+        const auto& given = vectors.at<cv::Vec2f>(v, u);
         const double z = double(depth.at<float>(v, u));
         if (std::isnan(given[0]) || !(z > 0)) continue;
         const Eigen::Vector3d p = z * camera.Unproject({double(u), double(v)});

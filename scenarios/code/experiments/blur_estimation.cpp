@@ -101,7 +101,7 @@ double MedianVectorError(const cv::Mat& truth, const VectorAt& vector_at) {
   std::vector<double> errors;
   for (int y = 4; y < truth.rows; y += 8) {
     for (int x = 4; x < truth.cols; x += 8) {
-      const cv::Vec2f v = truth.at<cv::Vec2f>(y, x);
+      const cv::Vec2f& v = truth.at<cv::Vec2f>(y, x);
       if (std::isfinite(v[0]) && std::isfinite(v[1])) errors.push_back(BlurVectorError(vector_at(x, y), v));
     }
   }

@@ -88,7 +88,8 @@ std::vector<int64_t> WorstFrames(const ResolvedScenario& resolved, const LightMe
   const auto apart = int64_t(std::ceil(small.camera.rate_hz / 3));
   std::vector<int64_t> worst;
   for (const auto& [blur_px, frame] : by_blur) {
-    const bool near = std::any_of(worst.begin(), worst.end(), [&](int64_t w) { return std::abs(w - frame) < apart; });
+    const bool near =
+        std::any_of(worst.begin(), worst.end(), [&, at = frame](int64_t w) { return std::abs(w - at) < apart; });
     if (!near && int(worst.size()) < options.frames) worst.push_back(frame);
   }
   std::sort(worst.begin(), worst.end());

@@ -100,7 +100,7 @@ Calibration Miscalibrated(Calibration calibration, const CalibrationError& error
 }
 
 MiscalibratedSensors::Switch::Switch(double delay_ms, double bounce_ms, RandomStream random)
-    : delay_ns_(Nanoseconds(delay_ms)), bounce_ns_(Nanoseconds(bounce_ms)), random_(std::move(random)) {}
+    : delay_ns_(Nanoseconds(delay_ms)), bounce_ns_(Nanoseconds(bounce_ms)), random_(random) {}
 
 bool MiscalibratedSensors::Switch::Read(int64_t stamp_ns, bool closed) {
   if (!began_) {

@@ -24,7 +24,7 @@ fs::path Clean(const fs::path& path) {
 
 }  // namespace
 
-OutputFolder::OutputFolder(fs::path wanted, std::string marker)
+OutputFolder::OutputFolder(const fs::path& wanted, const std::string& marker)
     : wanted_(Clean(wanted)), temporary_(TemporaryNameFor(wanted_)) {
   if (fs::exists(wanted_) && !(fs::is_directory(wanted_) && (fs::is_empty(wanted_) || fs::exists(wanted_ / marker)))) {
     throw BadInput("--out " + wanted_.string() + ": exists and holds something else (no " + marker +

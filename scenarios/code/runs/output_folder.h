@@ -12,7 +12,7 @@ class OutputFolder {
  public:
   /// @param marker a file that every folder of this kind holds: an older folder is replaced only if it has it.
   /// @throws BadInput if `wanted` exists and is something else; MissingResource if it cannot be written.
-  OutputFolder(std::filesystem::path wanted, std::string marker);
+  OutputFolder(const std::filesystem::path& wanted, const std::string& marker);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;

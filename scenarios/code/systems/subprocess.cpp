@@ -118,7 +118,7 @@ Subprocess::~Subprocess() {
 }
 
 Subprocess::Subprocess(Subprocess&& other) noexcept
-    : child_(std::exchange(other.child_, 0)), mark_(std::move(other.mark_)), ending_(std::move(other.ending_)) {}
+    : child_(std::exchange(other.child_, 0)), mark_(std::move(other.mark_)), ending_(other.ending_) {}
 
 /// Again until there is none: one may start another while we look.
 void Subprocess::KillDescendants() const {
