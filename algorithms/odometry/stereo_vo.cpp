@@ -1,5 +1,6 @@
 #include "algorithms/odometry/stereo_vo.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -15,6 +16,9 @@
 
 namespace gaitcam {
 namespace {
+
+/// A pose that is turned by more than this is not known.
+constexpr double kTurnKnown_rad = 0.05;
 
 StereoMapOptions MapOptions(const StereoVoOptions& o) {
   StereoMapOptions options;
@@ -47,6 +51,14 @@ Matrix6d DifferenceOfLandmarks(const LandmarkGains& before, const LandmarkGains&
     covariance += gain * landmarks[size_t(landmark)].covariance_W * gain.transpose();
   }
   return covariance;
+}
+
+/// The images say more of a pose than was known before them.
+bool Supports(const Matrix6d& own, const RigPosePrior& prior) {
+  const auto largest = [](const Eigen::Matrix3d& covariance) {
+    return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().maxCoeff());
+  };
+  return largest(own.topLeftCorner<3, 3>()) < prior.sigma_m && largest(own.bottomRightCorner<3, 3>()) < kTurnKnown_rad;
 }
 
 }  // namespace
@@ -226,7 +238,7 @@ std::optional<StereoVo::Tracker::Localized> StereoVo::Tracker::Refined(const Ste
   refined.matches = map_.SearchNear(view, rough.result.X_WC, options_.narrow_px / rig_.left.fx, nearby_ratio);
   const auto result = RefineRigPose(Sightings(view, refined.matches), map_.rig().X_LR, rough.result.X_WC, prior,
                                     options_.min_inliers, pose_options_);
-  if (!result) return {};
+  if (!result || !Supports(result->covariance_own, prior)) return {};
   refined.result = *result;
   return refined;
 }
@@ -343,9 +355,9 @@ void StereoVo::Tracker::FinishRecord(Record& record) {
   }
   constexpr double kWide = 0.02;  // m and rad: later landmarks move it less
   const Pose guess = map_.keyframes()[size_t(record.keyframe)] * record.X_KC;
-  const auto result =
-      RefineRigPose(sightings, map_.rig().X_LR, guess, {guess, kWide, kWide}, options_.min_inliers, pose_options_);
-  if (result) {
+  const RigPosePrior prior{guess, kWide, kWide};
+  const auto result = RefineRigPose(sightings, map_.rig().X_LR, guess, prior, options_.min_inliers, pose_options_);
+  if (result && Supports(result->covariance_own, prior)) {
     Answer(*result, landmarks, final_, record);
   } else {
     record.answer.pose = guess;

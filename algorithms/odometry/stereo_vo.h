@@ -50,7 +50,7 @@ struct StereoVoOptions {
   double search_px = 60;           ///< Radius around its prediction in which a landmark is searched for first.
   double narrow_px = 6;            ///< And again, from the pose found.
   double outlier_sigmas = 3.5;     ///< Largest Mahalanobis distance of an inlier.
-  int min_inliers = 10;            ///< With fewer a frame has no pose.
+  int min_inliers = 15;            ///< With fewer a frame has no pose.
   int window = 12;                 ///< Keyframes refined together.
   int adjust_iterations = 8;       ///< Largest number of iterations of one adjustment.
   double rig_rotation_deg = 0.05;  ///< Standard deviation of the right camera's rotation as calibrated; 0: exact.

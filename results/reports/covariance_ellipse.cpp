@@ -20,13 +20,14 @@ PositionEllipse EllipseOf(const Eigen::Quaterniond& R_WC, const Matrix6d& covari
 }
 
 double EllipseMagnification(const std::vector<PositionEllipse>& ellipses, double unit_m) {
-  constexpr double kVisible = 1.5;  // in units of the drawing
+  constexpr double kVisible = 2;  // in units of the drawing
   std::vector<double> majors;
   for (const PositionEllipse& ellipse : ellipses) majors.push_back(ellipse.axes_m.x());
   const double median_m = majors.empty() ? 0 : UpperMedian(std::move(majors));
-  if (median_m <= 0) return 1;
-  const double wanted = kVisible * unit_m / median_m;
-  return wanted <= 1 ? 1 : std::pow(10, std::round(std::log10(wanted)));
+  double magnification = 1;
+  if (median_m <= 0) return magnification;
+  for (int step = 0; magnification * median_m < kVisible * unit_m; ++step) magnification *= step % 3 == 1 ? 2.5 : 2;
+  return magnification;  // 1, 2, 5, 10, ...
 }
 
 }  // namespace gaitcam::internal

@@ -20,7 +20,7 @@ struct PositionEllipse {
 /// @param covariance of its pose, in the tangent of se3.h
 PositionEllipse EllipseOf(const Eigen::Quaterniond& R_WC, const Matrix6d& covariance);
 
-/// Ellipses are drawn so many times their true size, a power of ten, that the median one can be seen; 1 at least.
+/// Ellipses are drawn so many times their true size that the median one can be seen: 1, 2, 5, 10, ...
 /// @param unit_m a hundredth of the drawing's side
 double EllipseMagnification(const std::vector<PositionEllipse>& ellipses, double unit_m);
 
