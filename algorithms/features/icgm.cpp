@@ -90,7 +90,7 @@ class ExpectedF1 {
 IcgmOptions IcgmOptions::Consensus() {
   IcgmOptions options;
   options.start = IcgmStart::kConsensus;
-  options.threshold = 0.16;
+  options.threshold = 0.12;
   return options;
 }
 

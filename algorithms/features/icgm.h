@@ -46,7 +46,7 @@ struct IcgmOptions {
   double noise_px = 2;
   int neighbours = 12;
   int agreeing = 5;
-  double near_threshold = 0.03;
+  double near_threshold = 0.05;
   double centre_threshold = 0.01;
 
   /// With the consensus of all pairs. The threshold was chosen on scenes and seeds of which no result is reported.

@@ -70,17 +70,17 @@ Agreement::Agreement(const std::vector<MatchedPosition>& matches, double thresho
     bx[i] = float(matches[size_t(i)].b.x());
     by[i] = float(matches[size_t(i)].b.y());
   }
-  agrees_.resize(n, n);
-  Eigen::ArrayXf ux(n), uy(n), vx(n), vy(n), allowed(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    ux = ax - ax[i];
-    uy = ay - ay[i];
-    vx = bx - bx[i];
-    vy = by - by[i];
-    allowed =
-        float(threshold) * ((ux.square() + uy.square()).sqrt() + (vx.square() + vy.square()).sqrt()) + float(noise_px);
-    agrees_.row(i) = ((ux - vx).square() + (uy - vy).square() <= allowed.square()).cast<unsigned char>();
-    agrees_(i, i) = 0;
+  agrees_.setZero(n, n);
+  Eigen::ArrayXf ux(n), uy(n), vx(n), vy(n), spare(n);
+  for (Eigen::Index i = 1; i < n; ++i) {
+    ux.head(i) = ax.head(i) - ax[i];
+    uy.head(i) = ay.head(i) - ay[i];
+    vx.head(i) = bx.head(i) - bx[i];
+    vy.head(i) = by.head(i) - by[i];
+    spare.head(i) = float(threshold) * ((ux.head(i).square() + uy.head(i).square()).sqrt() +
+                                        (vx.head(i).square() + vy.head(i).square()).sqrt()) +
+                    float(noise_px) - ((ux.head(i) - vx.head(i)).square() + (uy.head(i) - vy.head(i)).square()).sqrt();
+    for (Eigen::Index j = 0; j < i; ++j) agrees_(i, j) = agrees_(j, i) = spare[j] >= 0 ? 1 : 0;
   }
 }
 
