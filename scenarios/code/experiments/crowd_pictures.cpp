@@ -53,21 +53,24 @@ cv::Mat DrawThresholds(const std::vector<double>& thresholds, const std::vector<
 
 cv::Mat DrawMatches(const cv::Mat& a, const cv::Mat& b, const std::vector<MatchedPosition>& matches,
                     const std::vector<int>& kept) {
-  constexpr int kGreyStep = 24;
+  constexpr int kGreyStep = 12, kLines = 40;
   cv::Mat both, picture;
   cv::hconcat(a, b, both);
-  cv::medianBlur(both, both, 3);
   for (uchar& grey : cv::Mat_<uchar>(both)) grey = uchar(grey / kGreyStep * kGreyStep);
   cv::cvtColor(both, picture, cv::COLOR_GRAY2BGR);
   const cv::Scalar green(60, 200, 60), red(60, 60, 230);
-  for (const bool keep : {true, false})
+  const size_t dropped = matches.size() - kept.size();
+  for (const bool keep : {true, false}) {
+    const size_t stride = 1 + (keep ? kept.size() : dropped) / kLines;
+    size_t drawn = 0;
     for (size_t i = 0; i < matches.size(); ++i) {
       if (std::binary_search(kept.begin(), kept.end(), int(i)) != keep) continue;
       const cv::Point p(int(std::lround(matches[i].a.x())), int(std::lround(matches[i].a.y())));
       const cv::Point q(a.cols + int(std::lround(matches[i].b.x())), int(std::lround(matches[i].b.y())));
-      cv::line(picture, p, q, keep ? green : red, 1);
+      if (drawn++ % stride == 0) cv::line(picture, p, q, keep ? green : red, 1, cv::LINE_AA);
       for (const cv::Point& end : {p, q}) cv::circle(picture, end, 2, keep ? green : red, cv::FILLED);
     }
+  }
   return picture;
 }
 

@@ -27,8 +27,8 @@ struct ThresholdPanel {
 /// Panels side by side, BGR. @param thresholds ascending.
 cv::Mat DrawThresholds(const std::vector<double>& thresholds, const std::vector<ThresholdPanel>& panels);
 
-/// Both views side by side: what is kept is joined by green lines, what is dropped by red ones. Greys are coarse, to
-/// keep the file small.
+/// Both views side by side: key points of what is kept are green, joined by lines for some of them; of what is dropped
+/// red. Greys are coarse, to keep the file small.
 cv::Mat DrawMatches(const cv::Mat& a, const cv::Mat& b, const std::vector<MatchedPosition>& matches,
                     const std::vector<int>& kept);
 
