@@ -51,6 +51,10 @@ std::string ExperimentOption::ToText() const { return std::visit(WordsOf{Flag()}
 
 const std::vector<ExperimentEntry>& ListExperiments() {
   static const std::vector<ExperimentEntry> entries{
+      {"crowds", "which matches are kept between views in which people and things move",
+       "gaitcam experiment crowds --pairs 34 --out results/crowds.md\n"
+       "gaitcam experiment crowds --scene hall --people 25 --standing 0.5",
+       MakeCrowds},
       {"features", "detectors and descriptors on blurred images whose true correspondences are known",
        "gaitcam experiment features --out results/features.md\n"
        "gaitcam experiment features oxford/graf oxford/boat --detector sift --detector mobif",

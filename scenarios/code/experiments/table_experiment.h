@@ -112,6 +112,7 @@ void InParallel(int count, int jobs, const std::function<void(int)>& fn);
 
 std::unique_ptr<TableExperiment> MakeBlurredFeatures();
 std::unique_ptr<TableExperiment> MakeBlurEstimation();
+std::unique_ptr<TableExperiment> MakeCrowds();
 std::unique_ptr<TableExperiment> MakeFloorAlignment();
 std::unique_ptr<TableExperiment> MakeLocalisationTable();
 std::unique_ptr<TableExperiment> MakePlaceDistance();

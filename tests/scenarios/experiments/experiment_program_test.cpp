@@ -67,6 +67,9 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"odometri", "odometri"},
                                         {"planes --pairs 0", "--pairs: 0 is not permitted"},
                                         {"planes --pairs many", "many"},
+                                        {"crowds --pairs 0", "--pairs: 0 is not permitted"},
+                                        {"crowds --scene labb", "labb"},
+                                        {"crowds --detector syft", "syft"},
                                         {"odometry", "study file"},
                                         {"nees --repeats 0", "--repeats: 0 is not permitted"},
                                         {"nees --scene labb", "labb"},
@@ -122,6 +125,21 @@ TEST_F(ExperimentProgramTest, SpeedMeasuresOnlyTheSectionsThatAreWanted) {
   EXPECT_THAT(table, HasSubstr("\n## A crowd\n"));
   EXPECT_THAT(table, HasSubstr("| lab_loop, 1 people |"));
   EXPECT_EQ(table.find("\n## "), table.rfind("\n## ")) << table;
+}
+
+TEST_F(ExperimentProgramTest, CrowdsFilmsJudgesAndDraws) {
+  const ProgramResult result = Run("crowds --pairs 2 --walk 3 --scene lab --detector sift --out crowds.md -q");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const char* name : {"crowds.png", "crowds_matches.png"}) EXPECT_TRUE(fs::exists(File(name))) << name;
+  const std::string table = ReadText(File("crowds.md"));
+  const auto precision = [&](const std::string& filter) {
+    std::smatch row;
+    const std::regex line("still \\| sift \\| [^|]*\\| " + filter + " \\|[^|]*\\| ([0-9.]+) \\(");
+    EXPECT_TRUE(std::regex_search(table, row, line)) << table;
+    return row.empty() ? 0 : std::stod(row[1]);
+  };
+  EXPECT_GT(precision("consensus, 0.12"), precision("none"));
+  EXPECT_THAT(table, HasSubstr("\n## Single and double direction\n"));
 }
 
 TEST(ExperimentCommand, NamesWhatDiffersFromTheDefaultsAndNoUsersFolder) {
