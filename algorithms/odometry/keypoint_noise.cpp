@@ -1,6 +1,10 @@
 #include "algorithms/odometry/keypoint_noise.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
 
 namespace gaitcam {
 
@@ -53,6 +57,38 @@ Eigen::Vector2d BlurOffset(const CameraModel& camera, const std::vector<Exposure
     x = sum / density(x);
   }
   return x;
+}
+
+double ImageNoise(const cv::Mat& grey) {
+  if (grey.rows < 3 || grey.cols < 3) return 0;
+  const cv::Matx33f kernel(1, -2, 1, -2, 4, -2, 1, -2, 1);
+  cv::Mat difference;
+  cv::filter2D(grey, difference, CV_32F, kernel, {-1, -1}, 0, cv::BORDER_REFLECT_101);
+  const double mean = cv::norm(difference, cv::NORM_L1) / double(grey.total());
+  return std::sqrt(std::numbers::pi / 2) * mean / 6;  // 6: the kernel's root sum of squares
+}
+
+Eigen::Matrix2d NoiseBound(const cv::Mat& grey, const cv::KeyPoint& keypoint, double noise) {
+  if (!(noise > 0)) return Eigen::Matrix2d::Zero();
+  constexpr double kGradientNoise = 0.5;   // variance of a central difference, in that of a pixel
+  constexpr double kLeastGradient = 0.05;  // mean squared gradient, in the noise's variance
+  const int radius = std::max(1, int(std::lround(0.5 * double(keypoint.size))));
+  const int x0 = int(std::lround(keypoint.pt.x)), y0 = int(std::lround(keypoint.pt.y));
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  int pixels = 0;
+  for (int y = std::max(1, y0 - radius); y <= std::min(grey.rows - 2, y0 + radius); ++y) {
+    for (int x = std::max(1, x0 - radius); x <= std::min(grey.cols - 2, x0 + radius); ++x) {
+      const Eigen::Vector2d gradient(0.5 * (grey.at<uint8_t>(y, x + 1) - grey.at<uint8_t>(y, x - 1)),
+                                     0.5 * (grey.at<uint8_t>(y + 1, x) - grey.at<uint8_t>(y - 1, x)));
+      sum += gradient * gradient.transpose();
+      ++pixels;
+    }
+  }
+  const double variance = noise * noise, area = std::max(1, pixels);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(sum);
+  const Eigen::Vector2d information =
+      (axes.eigenvalues().array() - kGradientNoise * variance * area).cwiseMax(kLeastGradient * variance * area);
+  return variance * axes.eigenvectors() * information.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose();
 }
 
 Eigen::Matrix2d KeypointCovariance(const cv::KeyPoint& keypoint, const Eigen::Matrix2d& spread,

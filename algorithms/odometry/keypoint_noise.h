@@ -1,8 +1,8 @@
 /// How exactly a detector locates a key point in an image that may be blurred: a covariance per key point.
 ///
-/// The variance of a position is the sum of what a sharp image leaves, of what grows with the key point's scale, and of
-/// a share of the blur: more along the motion, where the image has lost its detail, than across.
-
+/// The variance of a position is the sum of what a sharp image leaves, of what grows with the key point's scale, of
+/// what the sensor's noise does to its contrast, and of a share of the blur: more along the motion, where the image has
+/// lost its detail, than across.
 ///
 /// The defaults are those of SIFT, calibrated on `hall`, which no suite films: recordings by
 ///   gaitcam record scenarios/stereo_walk.yaml --format euroc --truth-inside --set scene=hall --set duration_s=6
@@ -28,12 +28,13 @@ struct KeypointNoiseOptions {
   double sigma_per_size = 0.02;      ///< ... what each px of a key point's diameter makes of it ...
   double sigma_per_blur = 0.08;      ///< ... each px of blur along the motion ...
   double sigma_across_blur = 0.035;  ///< ... and across it.
+  double sigma_per_noise = 1;        ///< Of the least standard deviation that the image's noise allows (NoiseBound).
   /// What all key points of a frame have in common, as if it had turned: part of its turn over the exposure.
   double common_per_blur = 0.02;
   /// Errors of key points hang together where they lie near each other: so many count as one in what keyframes add.
   double points_per_error = 4;
   /// A pose's own covariance is that of its residuals, which have the errors of its landmarks in them, too, by ...
-  double residuals_share = 0.9;
+  double residuals_share = 0.7;
   double hidden_per_blur = 0.15;  ///< ... plus so much with each px of blur: what a fit hides, being common to all.
   double offset_scale = 0.55;     ///< Of the smoothing in BlurOffset, in diameters of the key point.
 };
@@ -44,6 +45,8 @@ void VisitFields(Visitor& visit, KeypointNoiseOptions& o) {
   visit("sigma_per_size", o.sigma_per_size, Between(0.0, 10.0), "what each px of a key point's diameter makes of it");
   visit("sigma_per_blur", o.sigma_per_blur, Between(0.0, 10.0), "each px of blur, along the motion");
   visit("sigma_across_blur", o.sigma_across_blur, Between(0.0, 10.0), "each px of blur, across the motion");
+  visit("sigma_per_noise", o.sigma_per_noise, Between(0.0, 100.0),
+        "standard deviation by the image's noise over the least that is possible");
   visit("common_per_blur", o.common_per_blur, Between(0.0, 10.0),
         "each px of blur, along the motion, of all key points of a frame alike");
   visit("points_per_error", o.points_per_error, Between(1.0, 1e4),
@@ -69,6 +72,16 @@ Eigen::Matrix2d BlurSpread(const CameraModel& camera, const std::vector<Exposure
 /// @param sigma_px scale of the key point
 Eigen::Vector2d BlurOffset(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
                            const Eigen::Vector2d& pixel, double sigma_px);
+
+/// Standard deviation of an image's noise, in grey levels, by what a difference of Laplacians leaves of the scene
+/// (J. Immerkaer, "Fast noise variance estimation", CVIU 64, 1996); fine texture counts as noise. 0 below 3 x 3 px.
+double ImageNoise(const cv::Mat& grey);
+
+/// The least covariance, px^2, that noise allows for a key point's position (Cramer and Rao): noise^2 over the sum of
+/// squared gradients over the key point's area, less what noise adds to these. Where noise is all that there is it is
+/// bounded, by that of a gradient well below the noise.
+/// @param noise as of ImageNoise; 0 gives 0
+Eigen::Matrix2d NoiseBound(const cv::Mat& grey, const cv::KeyPoint& keypoint, double noise);
 
 /// px^2, of the key point's position.
 /// @param spread as of BlurSpread

@@ -16,7 +16,7 @@ KeypointNoiseOptions ScaleAlone() {
   KeypointNoiseOptions noise;
   noise.sigma_px = 0;
   noise.sigma_per_size = 0.5;
-  noise.sigma_per_blur = noise.sigma_across_blur = 0;
+  noise.sigma_per_blur = noise.sigma_across_blur = noise.sigma_per_noise = 0;
   return noise;
 }
 

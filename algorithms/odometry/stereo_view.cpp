@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
+#include <opencv2/imgproc.hpp>
 #include <set>
 #include <string>
 #include <tuple>
@@ -93,8 +94,12 @@ CameraFeatures DetectInCamera(const cv::Mat& image, const CameraModel& camera, c
   }
   CameraFeatures found;
   found.features = OnePerPlace(DetectFeatures(detector, image, max_features));
+  cv::Mat grey = image;
+  if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  const double noise = ImageNoise(grey);
   for (const cv::KeyPoint& keypoint : found.features.keypoints) {
     found.pixel.emplace_back(keypoint.pt.x, keypoint.pt.y);
+    found.noise_px.push_back(NoiseBound(grey, keypoint, noise));
     found.xy.push_back(camera.Unproject(found.pixel.back()).head<2>());
   }
   return found;
@@ -148,7 +153,8 @@ void UndoBlur(const CameraModel& camera, const std::vector<ExposureRotation>& ro
     const Eigen::Matrix2d spread = BlurSpread(camera, rotations, pixel);
     pixel -= BlurOffset(camera, rotations, pixel, noise.offset_scale * keypoint.size);
     features.xy[i] = camera.Unproject(pixel).head<2>();
-    features.covariance_px.push_back(KeypointCovariance(keypoint, spread, noise));
+    features.covariance_px.push_back(KeypointCovariance(keypoint, spread, noise) +
+                                     std::pow(noise.sigma_per_noise, 2) * features.noise_px[i]);
     const Eigen::Matrix2d J = camera.DistortionJacobian(features.xy[i]).inverse() * per_focal;
     features.covariance.push_back(J * features.covariance_px.back() * J.transpose());
   }

@@ -38,6 +38,7 @@ struct CameraFeatures {
   Features features;                           ///< One per place and scale: what has several orientations is one.
   std::vector<Eigen::Vector2d> pixel;          ///< Of the key point, at mid-exposure ...
   std::vector<Eigen::Vector2d> xy;             ///< ... and in normalised coordinates, distortion undone.
+  std::vector<Eigen::Matrix2d> noise_px;       ///< What the image's noise leaves of it, px^2 (NoiseBound).
   std::vector<Eigen::Matrix2d> covariance_px;  ///< Of the pixel, px^2 ...
   std::vector<Eigen::Matrix2d> covariance;     ///< ... and of xy.
 
