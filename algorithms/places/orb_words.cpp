@@ -99,18 +99,15 @@ class OrbWordsIndex : public PlaceIndex {
       if (all.rows >= kMaxTrainingDescriptors) break;
     }
     words_ = LearnWords(all, kWords, seed);
-    std::vector<double> documents_with(kWords, 0.5);  // half a document: the weight of a word without any is finite
-    double documents = 1;
+    std::vector<WordSet> documents;
     for (const cv::Mat& image : images) {
-      for (int left = 0; left < image.cols; left += view_width_px_, ++documents) {
-        std::vector<bool> seen(kWords, false);
-        for (const Feature& feature : Features(image.colRange(left, std::min(image.cols, left + view_width_px_))))
-          seen[feature.word] = true;
-        for (size_t word = 0; word < kWords; ++word) documents_with[word] += seen[word] ? 1 : 0;
+      for (int left = 0; left < image.cols; left += view_width_px_) {
+        std::vector<cv::KeyPoint> points;
+        const cv::Mat section = image.colRange(left, std::min(image.cols, left + view_width_px_));
+        documents.push_back(WordsIn(Detect(section, points), words_));
       }
     }
-    for (size_t word = 0; word < kWords; ++word)
-      idf_.push_back(std::max(0.0, std::log(documents / documents_with[word])));
+    idf_ = InverseDocumentFrequency(documents, kWords);
   }
 
   PlaceMatch BestWindow(const Place& place, const std::vector<double>& vector, double norm) const {

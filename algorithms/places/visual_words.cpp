@@ -1,6 +1,7 @@
 #include "algorithms/places/visual_words.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/features2d.hpp>
 #include <string>
 
@@ -103,6 +104,16 @@ WordSet WordsIn(const cv::Mat& descriptors, const cv::Mat& vocabulary) {
   std::sort(words.begin(), words.end());
   words.erase(std::unique(words.begin(), words.end()), words.end());
   return words;
+}
+
+std::vector<double> InverseDocumentFrequency(const std::vector<WordSet>& documents, int words) {
+  std::vector<double> documents_with(size_t(words), 0.5);
+  for (const WordSet& document : documents) {
+    for (const int word : document) documents_with[size_t(word)] += 1;
+  }
+  std::vector<double> idf;
+  for (const double with : documents_with) idf.push_back(std::max(0.0, std::log(double(documents.size() + 1) / with)));
+  return idf;
 }
 
 void CheckDescriptors(const cv::Mat& descriptors, int type, int columns, const char* other) {

@@ -25,6 +25,10 @@ std::vector<int> NearestWords(const cv::Mat& descriptors, const cv::Mat& vocabul
 /// What of a vocabulary an image shows. @throws as NearestWords.
 WordSet WordsIn(const cv::Mat& descriptors, const cv::Mat& vocabulary);
 
+/// log(documents / documents with the word), >= 0, of each word. One document more than there are shows nothing, and
+/// each word is in half a document more: the weight of one that no document shows is finite.
+std::vector<double> InverseDocumentFrequency(const std::vector<WordSet>& documents, int words);
+
 /// @throws BadInput unless descriptors have this type and length, or are none; `other` names what they are to be
 /// compared with ("the vocabulary").
 void CheckDescriptors(const cv::Mat& descriptors, int type, int columns, const char* other);

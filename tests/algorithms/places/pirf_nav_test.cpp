@@ -64,29 +64,6 @@ TEST(PirfNav, OneSharedWordIsNoPlace) {
   EXPECT_LT(answer.confidence, 1.5);  // about one floor; the same word is seen from the next places too
 }
 
-TEST(PirfNav, WhatWasSeenAMomentAgoIsNotTheAnswer) {
-  MadeUpWalk walk(30, 5);
-  PirfNav memory(Options());
-  for (int place = 0; place < 30; ++place) memory.Add(walk.See(place));
-  const PlaceAnswer all = memory.Ask(walk.See(29), 30), first = memory.Ask(walk.See(29), 20);
-  EXPECT_NEAR(all.place, 29, 1);
-  EXPECT_TRUE(all.known);
-  EXPECT_FALSE(first.known);
-  EXPECT_EQ(first.score.size(), 20u);
-}
-
-TEST(PirfNav, AnEmptyMemoryAndAnEmptyViewHaveNoAnswer) {
-  PirfNav memory(Options());
-  MadeUpWalk walk(3, 6);
-  EXPECT_EQ(memory.Ask(walk.See(0), 0).place, -1);
-  EXPECT_EQ(memory.bytes_per_place(), 0);
-  for (int place = 0; place < 3; ++place) memory.Add(walk.See(place));
-  memory.Add(Features());  // a place without features is one all the same
-  EXPECT_EQ(memory.size(), 4u);
-  EXPECT_EQ(memory.Ask(Features(), 4).place, -1);
-  EXPECT_GT(memory.bytes_per_place(), 0);
-}
-
 TEST(PirfNav, SaysWhatIsWrongInOneLine) {
   PirfNavOptions options;
   options.neighbour_sigma = 0;

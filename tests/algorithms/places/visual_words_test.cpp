@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "made_up_words.h"
 #include "tests/error_of.h"
 
@@ -62,6 +64,13 @@ TEST(VisualWords, OfAnImageAreSortedAndEachOnce) {
   const cv::Mat words = UnitRows(20, 64, 3);
   EXPECT_THAT(WordsIn(SeenRows(words, {7, 3, 7, 12}, 0.1, random).descriptors, words), ElementsAre(3, 7, 12));
   EXPECT_TRUE(WordsIn(cv::Mat(), words).empty());
+}
+
+TEST(VisualWords, WeighTheLessTheMoreDocumentsShowThem) {
+  const std::vector<double> idf = InverseDocumentFrequency({{0, 1}, {0}, {0, 1}}, 3);
+  EXPECT_THAT(idf, ElementsAre(testing::DoubleEq(std::log(4 / 3.5)), testing::DoubleEq(std::log(4 / 2.5)),
+                               testing::DoubleEq(std::log(4 / 0.5))));
+  EXPECT_THAT(InverseDocumentFrequency({}, 1), ElementsAre(testing::DoubleEq(std::log(2.0))));
 }
 
 TEST(VisualWords, SayWhatIsWrongInOneLine) {
