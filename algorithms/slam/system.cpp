@@ -8,6 +8,7 @@
 #include "algorithms/odometry/stereo_pair_vo.h"
 #include "algorithms/odometry/stereo_vo.h"
 #include "algorithms/odometry/two_view_vo.h"
+#include "algorithms/slam/appearance_slam.h"
 #include "algorithms/slam/floor_slam.h"
 #include "algorithms/slam/pose_slam.h"
 #include "algorithms/slam/settings.h"
@@ -133,6 +134,23 @@ class TopoSlamSystem : public System {
   TopoSlam slam_;
 };
 
+class PirfNavSystem : public System {
+ public:
+  explicit PirfNavSystem(const SystemSetup& setup)
+      : PirfNavSystem(OptionsFrom<PirfNavSlamOptions>(setup.settings, "pirf_nav")) {}
+  FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
+  FinalEstimate Finish() override {
+    slam_.Finish();
+    return {{}, {slam_.graph()}, {}};
+  }
+
+ private:
+  explicit PirfNavSystem(const PirfNavSlamOptions& options)
+      : slam_(std::make_unique<PirfNav>(options.memory), options.views) {}
+
+  AppearanceSlam slam_;
+};
+
 /// Every system there is: a new one is one more line here.
 std::vector<Entry> MakeEntries() {
   std::vector<Entry> entries = {
@@ -166,6 +184,12 @@ std::vector<Entry> MakeEntries() {
         {SensorNeed::kStandingCamera},
         false},
        [](const SystemSetup& setup) { return std::make_unique<FloorSlamSystem>(setup); }},
+      {{"pirf_nav",
+        "a map of views that learns its words as it walks, and knows places by them (Hua 2.2: PIRF-nav 2.0)",
+        ListFields(PirfNavSlamOptions()),
+        {},
+        false},
+       [](const SystemSetup& setup) { return std::make_unique<PirfNavSystem>(setup); }},
       {{"pose_slam",
         "the odometry of stereo_vo, and a graph of its keyframes with loop closures and covariances",
         ListFields(PoseSlamOptions()),

@@ -114,6 +114,7 @@ std::unique_ptr<TableExperiment> MakeBlurredFeatures();
 std::unique_ptr<TableExperiment> MakeBlurEstimation();
 std::unique_ptr<TableExperiment> MakeFloorAlignment();
 std::unique_ptr<TableExperiment> MakeLocalisationTable();
+std::unique_ptr<TableExperiment> MakeLoopTable();
 std::unique_ptr<TableExperiment> MakePlaceDistance();
 std::unique_ptr<TableExperiment> MakeRecordedOdometry();
 std::unique_ptr<TableExperiment> MakeSpeed();
