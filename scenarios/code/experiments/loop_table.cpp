@@ -59,7 +59,7 @@ Film ReadFilm(const fs::path& folder, double every_s) {
   const fs::path sensors = FindDataset(folder);
   const DatasetFolders folders{sensors, sensors.string() + "-truth"};
   std::map<int64_t, Pose> truth;
-  for (const FrameTruth& frame : ReadRecordedTruth(folders)) truth[frame.stamp_ns] = frame.X_WC;
+  for (const RecordedFrame& frame : ReadRecordedWalk(folders).frames) truth[frame.stamp_ns] = frame.X_WC;
   Film film;
   film.name = folder.lexically_normal().filename().string();
   DatasetReader reader(sensors);
