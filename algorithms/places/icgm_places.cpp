@@ -33,7 +33,8 @@ size_t IcgmPlaces::Votes(const Features& view, const Features& place) const {
   MatchingOptions matching;
   matching.ratio = options_.ratio;
   const std::vector<Match> matches = MatchDescriptors(view.descriptors, place.descriptors, matching);
-  return matches.size() < 2 ? 0 : filter_(matches, view, place).size();
+  if (matches.size() < 2) return 0;
+  return filter_ ? filter_(matches, view, place).size() : matches.size();
 }
 
 PlaceAnswer IcgmPlaces::Ask(const Features& view, size_t first_places) {
@@ -47,6 +48,16 @@ PlaceAnswer IcgmPlaces::Ask(const Features& view, size_t first_places) {
   }
   answer.known = answer.confidence >= options_.votes;
   return answer;
+}
+
+MatchFilter GravityFilter(const IcgmOptions& options, uint64_t seed) {
+  return [options, random = RandomStream(seed, "icgm_votes")](const std::vector<Match>& matches, const Features& view,
+                                                              const Features& place) mutable {
+    std::vector<Match> kept;
+    for (const int k : FilterByGravity(PositionsOf(matches, view, place), options, random).kept)
+      kept.push_back(matches[size_t(k)]);
+    return kept;
+  };
 }
 
 double IcgmPlaces::bytes_per_place() const {

@@ -9,20 +9,16 @@
 
 #pragma once
 
-#include <functional>
-#include <opencv2/core.hpp>
+#include <cstdint>
 #include <vector>
 
 #include "algorithms/core/fields.h"
-#include "algorithms/features/matching.h"
+#include "algorithms/features/icgm.h"
+#include "algorithms/features/pirf.h"
 #include "algorithms/places/incremental_dictionary.h"
 #include "algorithms/places/place_memory.h"
 
 namespace gaitcam {
-
-/// Indices of the matches between `view` and `place` that are kept. Called with two matches or more.
-using MatchFilter =
-    std::function<std::vector<int>(const std::vector<Match>& matches, const Features& view, const Features& place)>;
 
 struct IcgmPlacesOptions {
   using DescribedTag = void;
@@ -42,7 +38,7 @@ void VisitFields(Visitor& visit, IcgmPlacesOptions& o) {
 
 class IcgmPlaces : public PlaceMemory {
  public:
-  /// @throws BadOption.
+  /// @param filter is called with two matches or more; null keeps all. @throws BadOption.
   explicit IcgmPlaces(MatchFilter filter, const IcgmPlacesOptions& options = {});
 
   void Add(const Features& view) override;
@@ -60,5 +56,8 @@ class IcgmPlaces : public PlaceMemory {
   IncrementalDictionary dictionary_;
   std::vector<Features> places_;
 };
+
+/// ICGM as a filter. Its starts are drawn from a stream of their own.
+MatchFilter GravityFilter(const IcgmOptions& options, uint64_t seed);
 
 }  // namespace gaitcam

@@ -13,12 +13,15 @@
 #include "algorithms/core/estimate.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/core/observation.h"
+#include "algorithms/places/icgm_places.h"
 #include "algorithms/places/pirf_nav.h"
 #include "algorithms/places/place_memory.h"
+#include "algorithms/slam/robust_views.h"
 
 namespace gaitcam {
 
-struct AppearanceSlamOptions {
+/// Of which views places are made.
+struct ViewOptions {
   using DescribedTag = void;
   std::string feature = "surf";
   int max_features = 300;
@@ -27,7 +30,7 @@ struct AppearanceSlamOptions {
 };
 
 template <class Visitor>
-void VisitFields(Visitor& visit, AppearanceSlamOptions& o) {
+void VisitFields(Visitor& visit, ViewOptions& o) {
   visit("feature", o.feature, AnyText(), "detector and descriptor of what places are known by");
   visit("max_features", o.max_features, Between(10, 100000), "of a view, the strongest");
   visit("every_s", o.every_s, Between(0.0, 1000.0), "time from one place to the next");
@@ -37,13 +40,30 @@ void VisitFields(Visitor& visit, AppearanceSlamOptions& o) {
 /// Of system `pirf_nav`.
 struct PirfNavSlamOptions {
   using DescribedTag = void;
-  AppearanceSlamOptions views;
+  ViewOptions views;
+  RobustViewOptions robust = RobustViewOptions::By(Robustness::kPirf);
   PirfNavOptions memory;
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, PirfNavSlamOptions& o) {
   VisitFields(visit, o.views);
+  VisitFields(visit, o.robust);
+  VisitFields(visit, o.memory);
+}
+
+/// Of system `icgm_slam`.
+struct IcgmSlamOptions {
+  using DescribedTag = void;
+  ViewOptions views;
+  RobustViewOptions robust = RobustViewOptions::By(Robustness::kIcgm);
+  IcgmPlacesOptions memory;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, IcgmSlamOptions& o) {
+  VisitFields(visit, o.views);
+  VisitFields(visit, o.robust);
   VisitFields(visit, o.memory);
 }
 
@@ -59,12 +79,16 @@ struct AppearanceTest {
 class AppearanceSlam {
  public:
   /// @throws BadOption; BadInput for an unknown feature.
-  AppearanceSlam(std::unique_ptr<PlaceMemory> memory, const AppearanceSlamOptions& options);
+  AppearanceSlam(std::unique_ptr<PlaceMemory> memory, const ViewOptions& options, const RobustViewOptions& robust,
+                 uint64_t seed);
+  /// PIRF-nav 2.0, and Hua's own. @throws as above.
+  AppearanceSlam(const PirfNavSlamOptions& options, uint64_t seed);
+  AppearanceSlam(const IcgmSlamOptions& options, uint64_t seed);
 
   /// A place has no pose: the estimate is empty, its status "initializing". @throws BadInput if the memory cannot be
   /// asked by these features.
   FrameEstimate Track(const Observation& observation);
-  /// After the last frame: what each place takes.
+  /// After the last frame: views that waited for the next one, and what each place takes.
   void Finish();
   /// A node and a test for each view, in the order of the film.
   const PlaceGraph& graph() const { return graph_; }
@@ -73,10 +97,13 @@ class AppearanceSlam {
 
  private:
   size_t PlacesBefore(int64_t stamp_ns) const;
+  void Visit(const RobustView& view);
 
   std::unique_ptr<PlaceMemory> memory_;
-  AppearanceSlamOptions options_;
+  ViewOptions options_;
+  RobustViews robust_;
   cv::Ptr<cv::Feature2D> detector_;
+  std::optional<int64_t> last_ns_;  ///< The last frame that was taken for a view.
   PlaceGraph graph_;
   std::vector<AppearanceTest> tests_;
 };

@@ -134,10 +134,12 @@ class TopoSlamSystem : public System {
   TopoSlam slam_;
 };
 
-class PirfNavSystem : public System {
+/// A system by name, whose options say what it is.
+template <class Options>
+class AppearanceSystem : public System {
  public:
-  explicit PirfNavSystem(const SystemSetup& setup)
-      : PirfNavSystem(OptionsFrom<PirfNavSlamOptions>(setup.settings, "pirf_nav")) {}
+  AppearanceSystem(const SystemSetup& setup, const std::string& name)
+      : slam_(OptionsFrom<Options>(setup.settings, name), setup.seed) {}
   FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
   FinalEstimate Finish() override {
     slam_.Finish();
@@ -145,11 +147,14 @@ class PirfNavSystem : public System {
   }
 
  private:
-  explicit PirfNavSystem(const PirfNavSlamOptions& options)
-      : slam_(std::make_unique<PirfNav>(options.memory), options.views) {}
-
   AppearanceSlam slam_;
 };
+
+template <class Options>
+Entry AppearanceEntry(const std::string& name, const std::string& description) {
+  return {{name, description, ListFields(Options()), {}, false},
+          [name](const SystemSetup& setup) { return std::make_unique<AppearanceSystem<Options>>(setup, name); }};
+}
 
 /// Every system there is: a new one is one more line here.
 std::vector<Entry> MakeEntries() {
@@ -184,12 +189,10 @@ std::vector<Entry> MakeEntries() {
         {SensorNeed::kStandingCamera},
         false},
        [](const SystemSetup& setup) { return std::make_unique<FloorSlamSystem>(setup); }},
-      {{"pirf_nav",
-        "a map of views that learns its words as it walks, and knows places by them (Hua 2.2: PIRF-nav 2.0)",
-        ListFields(PirfNavSlamOptions()),
-        {},
-        false},
-       [](const SystemSetup& setup) { return std::make_unique<PirfNavSystem>(setup); }},
+      AppearanceEntry<PirfNavSlamOptions>(
+          "pirf_nav", "a map of views that learns its words as it walks, and knows places by them (PIRF-nav 2.0)"),
+      AppearanceEntry<IcgmSlamOptions>(
+          "icgm_slam", "pirf_nav's map with features and loops that the geometry of crowds bears out (Hua 4.2)"),
       {{"pose_slam",
         "the odometry of stereo_vo, and a graph of its keyframes with loop closures and covariances",
         ListFields(PoseSlamOptions()),

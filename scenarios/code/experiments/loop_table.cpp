@@ -12,8 +12,6 @@
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/places/bag_of_words.h"
 #include "algorithms/places/fab_map.h"
-#include "algorithms/places/icgm_places.h"
-#include "algorithms/places/pirf_nav.h"
 #include "algorithms/slam/appearance_slam.h"
 #include "results/scoring/loop_recall.h"
 #include "scenarios/code/experiments/processor_time.h"
@@ -30,7 +28,7 @@ struct LoopTableOptions {
   InputPaths walks;
   std::vector<std::string> train;
   int words = 1000;
-  AppearanceSlamOptions views;
+  ViewOptions views;
   LoopTruthOptions truth;
   uint64_t seed = 1;
 };
@@ -75,12 +73,6 @@ Film ReadFilm(const fs::path& folder, double every_s) {
   return film;
 }
 
-std::vector<int> KeepAll(const std::vector<Match>& matches, const Features&, const Features&) {
-  std::vector<int> all;
-  for (size_t k = 0; k < matches.size(); ++k) all.push_back(int(k));
-  return all;
-}
-
 struct Outcome {
   std::string walk, method;
   int views = 0, accepted = 0, right = 0;
@@ -88,18 +80,16 @@ struct Outcome {
   double ms_per_view = 0, bytes_per_place = 0;
 };
 
-Outcome Recognise(const Film& film, const std::string& method, std::unique_ptr<PlaceMemory> memory,
-                  const LoopTableOptions& options) {
-  const PlaceMemory& places = *memory;
-  AppearanceSlam slam(std::move(memory), options.views);
+Outcome Recognise(const Film& film, const std::string& method, AppearanceSlam& slam, const LoopTableOptions& options) {
   const double before_ms = ProcessorTime_ms();
   for (const Observation& view : film.views) slam.Track(view);
+  slam.Finish();
   Outcome outcome;
   outcome.walk = film.name;
   outcome.method = method;
   outcome.views = int(film.views.size());
   outcome.ms_per_view = (ProcessorTime_ms() - before_ms) / double(film.views.size());
-  outcome.bytes_per_place = places.bytes_per_place();
+  outcome.bytes_per_place = double(slam.graph().nodes.back().bytes);
   std::vector<LoopAnswer> answers;
   for (const AppearanceTest& test : slam.tests()) answers.push_back({test.place, test.confidence, test.first_places});
   const std::vector<LoopDecision> decisions = JudgeLoops(answers, film.X_WC, options.truth);
@@ -130,7 +120,7 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
     for (const std::string& path : options_.walks.paths) {
       const Film film = ReadFilm(path, options_.views.every_s);
       for (const auto& [method, make] : Methods(path)) {
-        outcomes_.push_back(Recognise(film, method, make(), options_));
+        outcomes_.push_back(Recognise(film, method, *make(), options_));
         if (!setup.quiet) fmt::print(stderr, "{}", Row(outcomes_.back()));
       }
     }
@@ -146,7 +136,8 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
         "are those of the loops that a method accepts by its default threshold; area and recall at 100 % precision are "
         "over all thresholds, the surest answer first. ms: one thread's processor time per view, features, question "
         "and learning together. kB: of a place, without the vocabulary. fab_map and bag_of_words have {} words learned "
-        "from {} views of other walks. `votes` is icgm_places with every match kept.\n\n"
+        "from {} views of other walks. These two, and `all features`, take every feature of a view; the others those "
+        "that neighbouring views show too.\n\n"
         "| walk | method | views | possible | accepted | precision, % | recall, % | area | recall at 100 %, % | ms | "
         "kB "
         "|\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
@@ -157,23 +148,38 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
   }
 
  private:
-  using Method = std::pair<std::string, std::function<std::unique_ptr<PlaceMemory>()>>;
+  using Method = std::pair<std::string, std::function<std::unique_ptr<AppearanceSlam>()>>;
+
+  template <class Options>
+  Method Of(const std::string& name, Options options) const {
+    options.views = options_.views;
+    return {name, [options, seed = options_.seed] { return std::make_unique<AppearanceSlam>(options, seed); }};
+  }
+  Method OfMemory(const std::string& name, const std::function<std::unique_ptr<PlaceMemory>()>& make) const {
+    return {name, [this, make] {
+              return std::make_unique<AppearanceSlam>(make(), options_.views, RobustViewOptions(), options_.seed);
+            }};
+  }
 
   std::vector<Method> Methods(const std::string& walk) {
-    std::vector<Method> methods{
-        {"pirf_nav", [] { return std::make_unique<PirfNav>(); }},
-        {"votes", [] { return std::make_unique<IcgmPlaces>(KeepAll); }},
-    };
+    PirfNavSlamOptions plain;
+    plain.robust.robust = Robustness::kNone;
+    IcgmSlamOptions both_ways;
+    both_ways.robust.icgm.direction = IcgmDirection::kDouble;
+    std::vector<Method> methods{Of("pirf_nav", PirfNavSlamOptions()), Of("pirf_nav, all features", plain),
+                                Of("icgm_slam, single", IcgmSlamOptions()), Of("icgm_slam, double", both_ways)};
     if (options_.train.empty()) return methods;
     const FabMapModel model = Learn(walk);
-    methods.emplace_back("bag_of_words",
-                         [model] { return std::make_unique<BagOfWords>(model.vocabulary, model.samples); });
+    methods.push_back(OfMemory("bag_of_words", [model]() -> std::unique_ptr<PlaceMemory> {
+      return std::make_unique<BagOfWords>(model.vocabulary, model.samples);
+    }));
     for (const NewPlaceModel new_place : {NewPlaceModel::kSampled, NewPlaceModel::kMeanField}) {
-      methods.emplace_back("fab_map, " + std::string(ToWord(new_place)), [model, new_place] {
-        FabMapOptions options;
-        options.new_place_model = new_place;
-        return std::make_unique<FabMap>(model, options);
-      });
+      methods.push_back(
+          OfMemory("fab_map, " + std::string(ToWord(new_place)), [model, new_place]() -> std::unique_ptr<PlaceMemory> {
+            FabMapOptions options;
+            options.new_place_model = new_place;
+            return std::make_unique<FabMap>(model, options);
+          }));
     }
     return methods;
   }

@@ -19,11 +19,11 @@ using testing::HasSubstr;
 
 /// Matches that move as most of them do: a filter that needs no threshold on these key points, which do not move at
 /// all.
-std::vector<int> KeepUnmoved(const std::vector<Match>& matches, const Features& view, const Features& place) {
-  std::vector<int> kept;
-  for (size_t k = 0; k < matches.size(); ++k) {
-    const cv::Point2f a = view.keypoints[size_t(matches[k].a)].pt, b = place.keypoints[size_t(matches[k].b)].pt;
-    if (cv::norm(a - b) < 1) kept.push_back(int(k));
+std::vector<Match> KeepUnmoved(const std::vector<Match>& matches, const Features& view, const Features& place) {
+  std::vector<Match> kept;
+  for (const Match& match : matches) {
+    const cv::Point2f a = view.keypoints[size_t(match.a)].pt, b = place.keypoints[size_t(match.b)].pt;
+    if (cv::norm(a - b) < 1) kept.push_back(match);
   }
   return kept;
 }
@@ -131,12 +131,7 @@ TEST(PlaceMemory, DescriptorsOfAnotherLengthAreRefusedInOneLine) {
 
 TEST(IcgmPlaces, OnlyMatchesThatBelongTogetherVote) {
   MadeUpWalk walk(20, 5);
-  const auto keep_all = [](const std::vector<Match>& matches, const Features&, const Features&) {
-    std::vector<int> all;
-    for (size_t k = 0; k < matches.size(); ++k) all.push_back(int(k));
-    return all;
-  };
-  IcgmPlaces filtered(KeepUnmoved, IcgmPlacesOptions{Dictionary()}), blind(keep_all, IcgmPlacesOptions{Dictionary()});
+  IcgmPlaces filtered(KeepUnmoved, IcgmPlacesOptions{Dictionary()}), blind(nullptr, IcgmPlacesOptions{Dictionary()});
   for (int place = 0; place < 20; ++place) {
     const Features view = walk.See(place);
     filtered.Add(view);
@@ -150,6 +145,18 @@ TEST(IcgmPlaces, OnlyMatchesThatBelongTogetherVote) {
   for (size_t k = 0; k < view.keypoints.size(); ++k) view.keypoints[k].pt.x += float(10 + 7 * k);
   EXPECT_FALSE(filtered.Ask(view, 20).known);
   EXPECT_TRUE(blind.Ask(view, 20).known);
+}
+
+TEST(IcgmPlaces, ByIcgmAPlaceIsKnownAndItsThingsInDisorderAreNot) {
+  MadeUpWalk walk(20, 5);
+  IcgmPlaces memory(GravityFilter({}, 1), IcgmPlacesOptions{Dictionary()});
+  for (int place = 0; place < 20; ++place) memory.Add(walk.See(place));
+  Features view = walk.See(7);
+  EXPECT_TRUE(memory.Ask(view, 20).known);
+  EXPECT_NEAR(memory.Ask(view, 20).place, 7, 1);
+  RandomStream random(3, "disorder");
+  for (cv::KeyPoint& point : view.keypoints) point.pt = {float(random.Uniform(0, 320)), float(random.Uniform(0, 240))};
+  EXPECT_FALSE(memory.Ask(view, 20).known);
 }
 
 TEST(IcgmPlaces, OnlyCandidatesGetVotes) {

@@ -53,50 +53,115 @@ PlaceGraph WalkTwice(System& system) {
   return std::get<PlaceGraph>(answer.maps.at(0));
 }
 
-std::unique_ptr<System> MakePirfNav(SystemSettings settings = {}) {
+struct Choice {
+  std::string name;
+  SystemSettings settings;
+};
+/// All ways; a lap of the wall takes 25 s.
+std::vector<Choice> Choices(double apart_s) {
+  return {{"pirf_nav", {{"apart_s", apart_s}}},
+          {"pirf_nav", {{"apart_s", apart_s}, {"robust", "none"}}},
+          {"icgm_slam", {{"apart_s", apart_s}}},
+          {"icgm_slam", {{"apart_s", apart_s}, {"icgm.direction", "double"}}}};
+}
+
+std::unique_ptr<System> MakeMapper(const Choice& choice) {
   SystemSetup setup;
   setup.calibration.camera = CameraModel::FromHorizontalFov(320, 240, 60);
-  setup.settings = std::move(settings);
-  return MakeSystem("pirf_nav", setup);
+  setup.settings = choice.settings;
+  return MakeSystem(choice.name, setup);
 }
 
 TEST(AppearanceSlam, ASecondWalkClosesLoopsToTheFirst) {
-  const PlaceGraph graph = WalkTwice(*MakePirfNav({{"apart_s", 10}}));
-  ASSERT_EQ(graph.nodes.size(), size_t(2 * Wall::kSeconds));
-  EXPECT_EQ(graph.tests.size(), graph.nodes.size());
-  int right = 0, wrong = 0, steps = 0;
-  for (const PlaceLink& link : graph.links) {
-    steps += !link.loop;
-    if (!link.loop) EXPECT_EQ(link.to, link.from + 1);
-    // Views of neighbouring places share seven eighths.
-    if (link.loop) ++(std::abs(link.from - Wall::kSeconds - link.to) <= 1 ? right : wrong);
-    EXPECT_EQ(link.stamp_ns, graph.nodes[size_t(std::max(link.from, link.to))].stamp_ns);
+  for (const Choice& choice : Choices(10)) {
+    const PlaceGraph graph = WalkTwice(*MakeMapper(choice));
+    ASSERT_EQ(graph.nodes.size(), size_t(2 * Wall::kSeconds)) << choice.name;
+    EXPECT_EQ(graph.tests.size(), graph.nodes.size());
+    int right = 0, wrong = 0, steps = 0;
+    for (const PlaceLink& link : graph.links) {
+      steps += !link.loop;
+      if (!link.loop) EXPECT_EQ(link.to, link.from + 1);
+      // Views of neighbouring places share seven eighths.
+      if (link.loop) ++(std::abs(link.from - Wall::kSeconds - link.to) <= 1 ? right : wrong);
+      EXPECT_EQ(link.stamp_ns, graph.nodes[size_t(std::max(link.from, link.to))].stamp_ns);
+    }
+    EXPECT_EQ(steps, 2 * Wall::kSeconds - 1);
+    EXPECT_EQ(wrong, 0) << choice.name;
+    EXPECT_GE(right, Wall::kSeconds * 8 / 10) << choice.name;
+    for (const PlaceNode& node : graph.nodes) EXPECT_GT(node.bytes, 1000u);
   }
-  EXPECT_EQ(steps, 2 * Wall::kSeconds - 1);
-  EXPECT_EQ(wrong, 0);
-  EXPECT_GE(right, Wall::kSeconds * 8 / 10);
-  for (const PlaceNode& node : graph.nodes) EXPECT_GT(node.bytes, 1000u);
 }
 
 TEST(AppearanceSlam, WhatWasSeenShortlyBeforeIsNoLoop) {
-  const PlaceGraph graph = WalkTwice(*MakePirfNav({{"apart_s", 60}}));
-  for (const PlaceLink& link : graph.links) EXPECT_FALSE(link.loop);
-  for (const PlaceTest& test : graph.tests) EXPECT_EQ(test.matched, -1);
+  for (const Choice& choice : Choices(60)) {
+    const PlaceGraph graph = WalkTwice(*MakeMapper(choice));
+    for (const PlaceLink& link : graph.links) EXPECT_FALSE(link.loop);
+    for (const PlaceTest& test : graph.tests) EXPECT_EQ(test.matched, -1);
+  }
 }
 
 TEST(AppearanceSlam, SameFramesGiveTheSameLinks) {
-  const PlaceGraph a = WalkTwice(*MakePirfNav({{"apart_s", 10}})), b = WalkTwice(*MakePirfNav({{"apart_s", 10}}));
+  const Choice choice = Choices(10).back();
+  const PlaceGraph a = WalkTwice(*MakeMapper(choice)), b = WalkTwice(*MakeMapper(choice));
   ASSERT_EQ(a.links.size(), b.links.size());
   for (size_t k = 0; k < a.links.size(); ++k) EXPECT_EQ(a.links[k].to, b.links[k].to);
 }
 
 TEST(AppearanceSlam, SaysWhatIsWrongInOneLine) {
-  EXPECT_THAT(ErrorOf([] { MakePirfNav({{"feature", "surff"}}); }), HasSubstr("did you mean surf?"));
-  EXPECT_THAT(ErrorOf([] {
-                MakePirfNav({{"dictionary.max_distance", 0}});
-              }),
-              HasSubstr("pirf_nav.dictionary.max_distance"));
-  EXPECT_THAT(ErrorOf([] { MakePirfNav({{"apart", 3}}); }), HasSubstr("pirf_nav.apart"));
+  const auto error = [](const SystemSettings& settings) {
+    return ErrorOf([&] { MakeMapper({"pirf_nav", settings}); });
+  };
+  EXPECT_THAT(error({{"feature", "surff"}}), HasSubstr("did you mean surf?"));
+  EXPECT_THAT(error({{"dictionary.max_distance", 0}}), HasSubstr("pirf_nav.dictionary.max_distance"));
+  EXPECT_THAT(error({{"apart", 3}}), HasSubstr("pirf_nav.apart"));
+}
+
+FeatureImage ViewOf(const Wall& wall, int second) {
+  RandomStream noise(9, "noise");
+  const cv::Mat image = wall.At(second, noise);
+  return {image.size(), DetectFeatures(*MakeFeature2d("surf"), image, 200)};
+}
+
+TEST(RobustViews, ComeInOrderEachOnceAndWaitOnlyForWhatTheyNeed) {
+  const Wall wall;
+  for (const auto& [robust, direction, delay] : {std::tuple{Robustness::kNone, IcgmDirection::kSingle, 0},
+                                                 {Robustness::kPirf, IcgmDirection::kSingle, 0},
+                                                 {Robustness::kIcgm, IcgmDirection::kSingle, 0},
+                                                 {Robustness::kIcgm, IcgmDirection::kDouble, 1}}) {
+    RobustViewOptions options = RobustViewOptions::By(robust);
+    options.icgm.direction = direction;
+    RobustViews views(options, 1);
+    std::vector<RobustView> ready;
+    for (int second = 0; second < 6; ++second) {
+      for (RobustView& view : views.Add(100 + second, ViewOf(wall, second))) ready.push_back(std::move(view));
+      EXPECT_EQ(int(ready.size()), std::max(0, second + 1 - delay));
+    }
+    for (RobustView& view : views.Finish()) ready.push_back(std::move(view));
+    ASSERT_EQ(ready.size(), 6u);
+    for (int second = 0; second < 6; ++second) {
+      const RobustView& view = ready[size_t(second)];
+      EXPECT_EQ(view.stamp_ns, 100 + second);
+      EXPECT_EQ(view.features.size(), view.features.descriptors.rows);
+      EXPECT_LE(view.features.size(), ViewOf(wall, second).features.size());
+      if (second >= 2) EXPECT_GT(view.features.size(), 20);
+    }
+    EXPECT_EQ(ready[0].features.size() > 0, robust == Robustness::kNone || delay == 1);  // the first has none before it
+  }
+}
+
+TEST(RobustViews, LookingBothWaysKeepsMore) {
+  const Wall wall;
+  int single = 0, both = 0;  // features kept
+  for (const IcgmDirection direction : {IcgmDirection::kSingle, IcgmDirection::kDouble}) {
+    RobustViewOptions options = RobustViewOptions::By(Robustness::kIcgm);
+    options.icgm.direction = direction;
+    RobustViews views(options, 1);
+    int& sum = direction == IcgmDirection::kDouble ? both : single;
+    for (int second = 0; second < 10; ++second) {
+      for (const RobustView& view : views.Add(second, ViewOf(wall, second))) sum += view.features.size();
+    }
+  }
+  EXPECT_GT(both, single);
 }
 
 }  // namespace
