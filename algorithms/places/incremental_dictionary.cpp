@@ -73,7 +73,7 @@ std::vector<double> IncrementalDictionary::Score(const WordSet& view, size_t fir
 
 size_t IncrementalDictionary::bytes() const {
   size_t sum = words_.total() * words_.elemSize() + (tree_ ? tree_->bytes() : 0);
-  for (const std::vector<int>& places : shown_by_) sum += sizeof(places) + places.capacity() * sizeof(int);
+  for (const std::vector<int>& places : shown_by_) sum += sizeof(std::vector<int>) + places.capacity() * sizeof(int);
   return sum;
 }
 
