@@ -37,35 +37,24 @@ void VisitFields(Visitor& visit, ViewOptions& o) {
   visit("apart_s", o.apart_s, Between(0.0, 1e5), "places seen so shortly before are not taken for a loop");
 }
 
-/// Of system `pirf_nav`.
-struct PirfNavSlamOptions {
+/// Of a system that is made of such views and one memory.
+template <class MemoryOptions, Robustness kRobustness>
+struct AppearanceSlamOptions {
   using DescribedTag = void;
   ViewOptions views;
-  RobustViewOptions robust = RobustViewOptions::By(Robustness::kPirf);
-  PirfNavOptions memory;
+  RobustViewOptions robust = RobustViewOptions::By(kRobustness);
+  MemoryOptions memory;
 };
 
-template <class Visitor>
-void VisitFields(Visitor& visit, PirfNavSlamOptions& o) {
+template <class Visitor, class MemoryOptions, Robustness kRobustness>
+void VisitFields(Visitor& visit, AppearanceSlamOptions<MemoryOptions, kRobustness>& o) {
   VisitFields(visit, o.views);
   VisitFields(visit, o.robust);
   VisitFields(visit, o.memory);
 }
 
-/// Of system `icgm_slam`.
-struct IcgmSlamOptions {
-  using DescribedTag = void;
-  ViewOptions views;
-  RobustViewOptions robust = RobustViewOptions::By(Robustness::kIcgm);
-  IcgmPlacesOptions memory;
-};
-
-template <class Visitor>
-void VisitFields(Visitor& visit, IcgmSlamOptions& o) {
-  VisitFields(visit, o.views);
-  VisitFields(visit, o.robust);
-  VisitFields(visit, o.memory);
-}
+using PirfNavSlamOptions = AppearanceSlamOptions<PirfNavOptions, Robustness::kPirf>;
+using IcgmSlamOptions = AppearanceSlamOptions<IcgmPlacesOptions, Robustness::kIcgm>;
 
 /// What was asked of a view, and answered.
 struct AppearanceTest {
