@@ -1,7 +1,7 @@
 /// PIRF-nav 2.0: N. Tongprasit, A. Kawewong and O. Hasegawa, "PIRF-Nav 2: speeded-up online and incremental
 /// appearance-based SLAM in highly dynamic environment", IEEE Workshop on Applications of Computer Vision, 2011; as Hua
-/// describes it (2.2, Fig. 2.4), who compares with it (Table 5.1) and builds on it (4.2). Descriptors are those of PIRFs
-/// there; any robust features will do.
+/// describes it (2.2, Fig. 2.4), who compares with it (Table 5.1) and builds on it (4.2). Descriptors are those of
+/// PIRFs there; any robust features will do.
 ///
 /// Hua gives no equations. What stands here:
 /// 1. A view's features are found in the dictionary (incremental_dictionary.h); each place i gets the score s_i.

@@ -19,10 +19,10 @@
 namespace gaitcam {
 
 struct PlaceAnswer {
-  int place = -1;         ///< The likeliest of the places asked about; -1: nothing speaks for any.
-  bool known = false;     ///< The method takes the view for that place; false: for a new one.
-  double confidence = 0;  ///< That it is that place and no new one: what a threshold is put on. Its scale is the
-                          ///< method's own; the greater, the surer. Means nothing where `place` is -1.
+  int place = -1;             ///< The likeliest of the places asked about; -1: nothing speaks for any.
+  bool known = false;         ///< The method takes the view for that place; false: for a new one.
+  double confidence = 0;      ///< That it is that place and no new one: what a threshold is put on. Its scale is the
+                              ///< method's own; the greater, the surer. Means nothing where `place` is -1.
   std::vector<double> score;  ///< Of each place asked about, >= 0; the greater, the likelier.
 };
 
