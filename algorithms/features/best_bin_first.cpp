@@ -7,6 +7,7 @@
 #include <cstring>
 #include <numeric>
 #include <queue>
+#include <utility>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/popcnt_clones.h"
@@ -15,6 +16,7 @@ namespace gaitcam {
 namespace {
 
 constexpr int kLeafSize = 4;
+constexpr size_t kFullLeaf = 8;  // of a tree that grows: split again
 
 float SquaredDistance(const float* a, const float* b, int n) {
   std::array<float, 4> sums{};  // four sums that need not wait for each other
@@ -61,8 +63,43 @@ struct BestBinFirstTree::Branch {
 BestBinFirstTree::BestBinFirstTree(const cv::Mat& descriptors)
     : descriptors_(descriptors), binary_(descriptors.type() == CV_8UC1), order_(size_t(descriptors.rows)) {
   GAITCAM_ASSERT(binary_ || descriptors.type() == CV_32FC1);
+  if (descriptors.rows == 0) return;
   std::iota(order_.begin(), order_.end(), 0);
-  if (descriptors.rows > 0) Build(0, descriptors.rows);
+  nodes_.emplace_back();
+  Build(0, 0, descriptors.rows);
+  order_ = {};
+}
+
+void BestBinFirstTree::Grow(const cv::Mat& descriptors) {
+  const int known = descriptors_.rows;
+  GAITCAM_ASSERT(descriptors.rows >= known && descriptors.type() == (binary_ ? CV_8UC1 : CV_32FC1));
+  descriptors_ = descriptors;
+  if (nodes_.empty() && descriptors.rows > 0) {
+    nodes_.emplace_back();
+    MakeLeaf(0, 0, 0);
+  }
+  for (int row = known; row < descriptors.rows; ++row) Insert(row);
+}
+
+void BestBinFirstTree::Insert(int row) {
+  int node = 0;
+  while (nodes_[size_t(node)].dimension >= 0) {
+    const Node& here = nodes_[size_t(node)];
+    node = Component(row, here.dimension) < here.split ? here.left : here.right;
+  }
+  const size_t leaf = size_t(nodes_[size_t(node)].left);
+  leaves_[leaf].push_back(row);
+  if (leaves_[leaf].size() % kFullLeaf != 0) return;
+  order_ = leaves_[leaf];
+  leaves_[leaf].clear();  // the first leaf below takes its number
+  free_leaf_ = int(leaf);
+  Build(node, 0, int(order_.size()));
+}
+
+size_t BestBinFirstTree::bytes() const {
+  size_t sum = nodes_.capacity() * sizeof(Node) + leaves_.capacity() * sizeof(std::vector<int>);
+  for (const std::vector<int>& leaf : leaves_) sum += leaf.capacity() * sizeof(int);
+  return sum;
 }
 
 float BestBinFirstTree::Component(int row, int dimension) const {
@@ -110,22 +147,31 @@ std::pair<int, float> BestBinFirstTree::ChooseSplit(int begin, int end) const {
   return {std::isfinite(above) ? widest : -1, above};
 }
 
-int BestBinFirstTree::Build(int begin, int end) {
-  const int index = int(nodes_.size());
-  nodes_.push_back({-1, 0, begin, end});
-  if (end - begin <= kLeafSize) return index;
+void BestBinFirstTree::MakeLeaf(int index, int begin, int end) {
+  if (free_leaf_ < 0) {
+    free_leaf_ = int(leaves_.size());
+    leaves_.emplace_back();
+  }
+  leaves_[size_t(free_leaf_)].assign(order_.begin() + begin, order_.begin() + end);
+  nodes_[size_t(index)] = {-1, 0, std::exchange(free_leaf_, -1), -1};
+}
+
+void BestBinFirstTree::Build(int index, int begin, int end) {
+  if (end - begin <= kLeafSize) return MakeLeaf(index, begin, end);
   const auto [dimension, split] = ChooseSplit(begin, end);
-  if (dimension < 0) return index;
+  if (dimension < 0) return MakeLeaf(index, begin, end);
   const auto middle = std::stable_partition(order_.begin() + begin, order_.begin() + end,
                                             [&, d = dimension, s = split](int row) { return Component(row, d) < s; });
   const int cut = int(middle - order_.begin());
-  if (cut == begin || cut == end) return index;
-  const int left = Build(begin, cut), right = Build(cut, end);
-  nodes_[size_t(index)] = {dimension, split, left, right};
-  return index;
+  if (cut == begin || cut == end) return MakeLeaf(index, begin, end);
+  const int left = int(nodes_.size());
+  nodes_.resize(nodes_.size() + 2);
+  nodes_[size_t(index)] = {dimension, split, left, left + 1};
+  Build(left, begin, cut);
+  Build(left + 1, cut, end);
 }
 
-TwoNearest BestBinFirstTree::Search(const cv::Mat& query, int max_candidates) const {
+TwoNearest BestBinFirstTree::Search(const cv::Mat& query, int max_candidates, float within) const {
   TwoNearest nearest;
   if (nodes_.empty()) return nearest;
   std::vector<Branch> branches = {{}};
@@ -139,7 +185,7 @@ TwoNearest BestBinFirstTree::Search(const cv::Mat& query, int max_candidates) co
     std::pop_heap(heap.begin(), heap.end(), farther);
     const int taken = heap.back();
     heap.pop_back();
-    if (branches[size_t(taken)].distance > nearest.second_distance) break;  // no bin can hold anything nearer
+    if (branches[size_t(taken)].distance > std::min(nearest.second_distance, within)) break;  // nothing nearer is left
     int node = branches[size_t(taken)].node;
     while (nodes_[size_t(node)].dimension >= 0) {
       const Node& here = nodes_[size_t(node)];
@@ -159,9 +205,8 @@ TwoNearest BestBinFirstTree::Search(const cv::Mat& query, int max_candidates) co
       std::push_heap(heap.begin(), heap.end(), farther);
       node = offset < 0 ? here.left : here.right;
     }
-    for (int i = nodes_[size_t(node)].left; i < nodes_[size_t(node)].right; ++i, ++compared) {
-      nearest.Offer(order_[size_t(i)], Distance(query, order_[size_t(i)]));
-    }
+    for (const int row : leaves_[size_t(nodes_[size_t(node)].left)]) nearest.Offer(row, Distance(query, row));
+    compared += int(leaves_[size_t(nodes_[size_t(node)].left)].size());
   }
   return nearest;
 }

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <opencv2/features2d.hpp>
 
-#include "algorithms/core/random.h"
 #include "algorithms/places/place_recognition.h"
+#include "algorithms/places/visual_words.h"
 
 namespace gaitcam {
 namespace {
 
 constexpr int kWords = 256;
-constexpr int kRounds = 10;  // of k-majority
 constexpr int kMaxTrainingDescriptors = 20000;
 constexpr int kFeaturesPerPanorama = 800;  // and as many per width in views
 constexpr int kWordWindowStep_px = 16;
@@ -20,15 +19,6 @@ struct Feature {
   uint16_t word = 0;
   uint16_t column = 0;
 };
-
-/// Nearest word of each descriptor.
-std::vector<int> Assign(const cv::Mat& descriptors, const cv::Mat& words) {
-  std::vector<cv::DMatch> matches;
-  cv::BFMatcher(cv::NORM_HAMMING).match(descriptors, words, matches);
-  std::vector<int> nearest(size_t(descriptors.rows), 0);
-  for (const cv::DMatch& match : matches) nearest[size_t(match.queryIdx)] = match.trainIdx;
-  return nearest;
-}
 
 class OrbWordsIndex : public PlaceIndex {
  public:
@@ -94,7 +84,7 @@ class OrbWordsIndex : public PlaceIndex {
     std::vector<cv::KeyPoint> points;
     const cv::Mat descriptors = Detect(image, points);
     if (descriptors.empty()) return {};
-    const std::vector<int> words = Assign(descriptors, words_);
+    const std::vector<int> words = NearestWords(descriptors, words_);
     std::vector<Feature> features;
     for (size_t k = 0; k < points.size(); ++k) features.push_back({uint16_t(words[k]), uint16_t(points[k].pt.x)});
     return features;
@@ -108,19 +98,16 @@ class OrbWordsIndex : public PlaceIndex {
       if (!descriptors.empty()) all.push_back(descriptors);
       if (all.rows >= kMaxTrainingDescriptors) break;
     }
-    words_ = LearnBinaryWords(all, kWords, seed);
-    std::vector<double> documents_with(kWords, 0.5);  // half a document: the weight of a word without any is finite
-    double documents = 1;
+    words_ = LearnWords(all, kWords, seed);
+    std::vector<WordSet> documents;
     for (const cv::Mat& image : images) {
-      for (int left = 0; left < image.cols; left += view_width_px_, ++documents) {
-        std::vector<bool> seen(kWords, false);
-        for (const Feature& feature : Features(image.colRange(left, std::min(image.cols, left + view_width_px_))))
-          seen[feature.word] = true;
-        for (size_t word = 0; word < kWords; ++word) documents_with[word] += seen[word] ? 1 : 0;
+      for (int left = 0; left < image.cols; left += view_width_px_) {
+        std::vector<cv::KeyPoint> points;
+        const cv::Mat section = image.colRange(left, std::min(image.cols, left + view_width_px_));
+        documents.push_back(WordsIn(Detect(section, points), words_));
       }
     }
-    for (size_t word = 0; word < kWords; ++word)
-      idf_.push_back(std::max(0.0, std::log(documents / documents_with[word])));
+    idf_ = InverseDocumentFrequency(documents, kWords);
   }
 
   PlaceMatch BestWindow(const Place& place, const std::vector<double>& vector, double norm) const {
@@ -147,42 +134,6 @@ class OrbWordsIndex : public PlaceIndex {
 };
 
 }  // namespace
-
-cv::Mat LearnBinaryWords(const cv::Mat& descriptors, int words, uint64_t seed) {
-  if (descriptors.rows < words) {
-    throw BadInput("places: " + std::to_string(descriptors.rows) + " features in the training images are too few for " +
-                   std::to_string(words) + " words");
-  }
-  RandomStream random(seed, "binary_words");
-  std::vector<int> order(size_t(descriptors.rows), 0);
-  for (size_t k = 0; k < order.size(); ++k) order[k] = int(k);
-  cv::Mat centres;
-  for (int k = 0; k < words; ++k) {
-    std::swap(order[size_t(k)], order[size_t(k + random.Index(descriptors.rows - k))]);
-    centres.push_back(descriptors.row(order[size_t(k)]));
-  }
-  const int bytes = descriptors.cols, bits = 8 * bytes;
-  for (int round = 0; round < kRounds; ++round) {
-    const std::vector<int> nearest = Assign(descriptors, centres);
-    std::vector<int> ones(size_t(words * bits), 0), members(size_t(words), 0);
-    for (int k = 0; k < descriptors.rows; ++k) {
-      const int word = nearest[size_t(k)];
-      ++members[size_t(word)];
-      for (int bit = 0; bit < bits; ++bit)
-        ones[size_t(word * bits + bit)] += descriptors.at<uchar>(k, bit / 8) >> (bit % 8) & 1;
-    }
-    for (int word = 0; word < words; ++word) {
-      if (members[size_t(word)] == 0) continue;  // its centre stays
-      for (int byte = 0; byte < bytes; ++byte) {
-        int value = 0;
-        for (int bit = 0; bit < 8; ++bit)
-          value |= (2 * ones[size_t(word * bits + 8 * byte + bit)] > members[size_t(word)]) << bit;
-        centres.at<uchar>(word, byte) = uchar(value);
-      }
-    }
-  }
-  return centres;
-}
 
 std::unique_ptr<PlaceIndex> MakeOrbWordsIndex(const PlaceIndexSetup& setup) {
   return std::make_unique<OrbWordsIndex>(setup);

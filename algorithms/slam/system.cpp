@@ -8,6 +8,7 @@
 #include "algorithms/odometry/stereo_pair_vo.h"
 #include "algorithms/odometry/stereo_vo.h"
 #include "algorithms/odometry/two_view_vo.h"
+#include "algorithms/slam/appearance_slam.h"
 #include "algorithms/slam/floor_slam.h"
 #include "algorithms/slam/pose_slam.h"
 #include "algorithms/slam/settings.h"
@@ -133,6 +134,28 @@ class TopoSlamSystem : public System {
   TopoSlam slam_;
 };
 
+/// A system by name, whose options say what it is.
+template <class Options>
+class AppearanceSystem : public System {
+ public:
+  AppearanceSystem(const SystemSetup& setup, const std::string& name)
+      : slam_(OptionsFrom<Options>(setup.settings, name), setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
+  FinalEstimate Finish() override {
+    slam_.Finish();
+    return {{}, {slam_.graph()}, {}};
+  }
+
+ private:
+  AppearanceSlam slam_;
+};
+
+template <class Options>
+Entry AppearanceEntry(const std::string& name, const std::string& description) {
+  return {{name, description, ListFields(Options()), {}, false},
+          [name](const SystemSetup& setup) { return std::make_unique<AppearanceSystem<Options>>(setup, name); }};
+}
+
 /// Every system there is: a new one is one more line here.
 std::vector<Entry> MakeEntries() {
   std::vector<Entry> entries = {
@@ -166,6 +189,10 @@ std::vector<Entry> MakeEntries() {
         {SensorNeed::kStandingCamera},
         false},
        [](const SystemSetup& setup) { return std::make_unique<FloorSlamSystem>(setup); }},
+      AppearanceEntry<PirfNavSlamOptions>(
+          "pirf_nav", "a map of views that learns its words as it walks, and knows places by them (PIRF-nav 2.0)"),
+      AppearanceEntry<IcgmSlamOptions>(
+          "icgm_slam", "pirf_nav's map with features and loops that the geometry of crowds bears out (Hua 4.2)"),
       {{"pose_slam",
         "the odometry of stereo_vo, and a graph of its keyframes with loop closures and covariances",
         ListFields(PoseSlamOptions()),

@@ -63,6 +63,11 @@ const std::vector<ExperimentEntry>& ListExperiments() {
        "gaitcam experiment localisation --out results/localisation_seed1.md\n"
        "gaitcam experiment localisation --set localisation.wavelet.prefilter=0.5",
        MakeLocalisationTable},
+      {"loops", "which earlier place a view of a walk shows, by every memory of places: precision over recall",
+       "gaitcam record scenarios/corridor_loops.yaml --set camera.rate_hz=1 --out walks/twin\n"
+       "gaitcam record scenarios/lab_loop.yaml --set camera.rate_hz=1 --set path.laps=2 --out walks/lab\n"
+       "gaitcam experiment loops walks/twin --train walks/lab --out loops.md",
+       MakeLoopTable},
       {"nees", "whether stereo points and motions know their errors: the chapter's tests, repeated, and a map",
        "gaitcam experiment nees --out results/nees.md\n"
        "gaitcam experiment nees --repeats 100 --trials 50",

@@ -56,16 +56,50 @@ double Recall(const DescriptorSets& sets, int max_candidates) {
   return double(found) / sets.a.rows;
 }
 
-TEST(BestBinFirst, WithoutALimitItIsExact) {
-  for (const DescriptorSets& sets : {FloatSets(400), BinarySets(400)}) {
-    const BestBinFirstTree tree(sets.b);
-    for (int i = 0; i < sets.a.rows; ++i) {
-      const TwoNearest expected = BruteForce(sets.b, sets.a.row(i)), found = tree.Search(sets.a.row(i), 0);
-      EXPECT_EQ(found.index, expected.index);
-      EXPECT_EQ(found.second_index, expected.second_index);
-      EXPECT_NEAR(found.distance, expected.distance, 1e-4 * expected.distance);  // floats added in another order
-    }
+// Half of the rows at once, the others in portions of 30.
+BestBinFirstTree GrownTree(const cv::Mat& rows) {
+  BestBinFirstTree tree(rows.rowRange(0, rows.rows / 2));
+  for (int known = rows.rows / 2; known < rows.rows;) {
+    known = std::min(known + 30, rows.rows);
+    tree.Grow(rows.rowRange(0, known));
   }
+  return tree;
+}
+
+void ExpectExact(const BestBinFirstTree& tree, const DescriptorSets& sets) {
+  for (int i = 0; i < sets.a.rows; ++i) {
+    const TwoNearest expected = BruteForce(sets.b, sets.a.row(i)), found = tree.Search(sets.a.row(i), 0);
+    EXPECT_EQ(found.index, expected.index);
+    EXPECT_EQ(found.second_index, expected.second_index);
+    EXPECT_NEAR(found.distance, expected.distance, 1e-4 * expected.distance);  // floats added in another order
+  }
+}
+
+TEST(BestBinFirst, WithoutALimitItIsExact) {
+  for (const DescriptorSets& sets : {FloatSets(400), BinarySets(400)}) ExpectExact(BestBinFirstTree(sets.b), sets);
+}
+
+TEST(BestBinFirst, ATreeThatGrewIsAsExact) {
+  for (const DescriptorSets& sets : {FloatSets(400), BinarySets(400)}) ExpectExact(GrownTree(sets.b), sets);
+  BestBinFirstTree from_nothing(cv::Mat(0, 128, CV_32FC1));
+  const DescriptorSets sets = FloatSets(100);
+  from_nothing.Grow(sets.b);
+  ExpectExact(from_nothing, sets);
+}
+
+TEST(BestBinFirst, WithinADistanceNothingNearerIsMissed) {
+  const DescriptorSets sets = FloatSets(400);
+  const BestBinFirstTree tree(sets.b);
+  int near = 0;
+  for (int i = 0; i < sets.a.rows; ++i) {
+    const TwoNearest expected = BruteForce(sets.b, sets.a.row(i));
+    const float within = 128 * 36.0f;  // the mean of a disturbed copy's squared distance: half of them are nearer
+    const TwoNearest found = tree.Search(sets.a.row(i), 0, within);
+    if (expected.distance > within) continue;
+    EXPECT_EQ(found.index, expected.index);
+    ++near;
+  }
+  EXPECT_GT(near, 100);
 }
 
 TEST(BestBinFirst, TwoHundredCandidatesFindNearlyAllAndFewFindLess) {
@@ -81,6 +115,9 @@ TEST(BestBinFirst, EqualDescriptorsAreNoTrouble) {
   EXPECT_EQ(tree.Search(same.row(7), 0).index, 0);  // of equal ones the first
   EXPECT_EQ(tree.Search(same.row(7), 0).second_index, 1);
   EXPECT_EQ(BestBinFirstTree(cv::Mat(0, 32, CV_32FC1)).Search(same.row(0), 0).index, -1);
+  BestBinFirstTree grown(same.rowRange(0, 1));
+  grown.Grow(same);
+  EXPECT_EQ(grown.Search(same.row(7), 0).index, 0);
 }
 
 TEST(BestBinFirst, MatchingIsTheSameAsExactWhereUnlimited) {

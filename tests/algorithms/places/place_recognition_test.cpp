@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "algorithms/places/fourier_signature.h"
-#include "algorithms/places/orb_words.h"
 #include "cylinder_world.h"
 #include "tests/error_of.h"
 
@@ -115,31 +114,6 @@ TEST(FourierSignature, OfACosineIsOneCoefficient) {
     if (k == 3) continue;
     EXPECT_LT(signature[k], 0.1);
   }
-}
-
-TEST(BinaryWords, AreTheCentresThatDescriptorsWereDrawnAbout) {
-  RandomStream random(3, "descriptors");
-  cv::Mat centres(4, 32, CV_8UC1), descriptors;
-  for (int k = 0; k < 4 * 32; ++k) centres.at<uchar>(k / 32, k % 32) = uchar(random.Index(256));
-  for (int k = 0; k < 400; ++k) {
-    cv::Mat noisy = centres.row(k % 4).clone();
-    for (int flip = 0; flip < 20; ++flip) noisy.at<uchar>(0, random.Index(32)) ^= uchar(1 << random.Index(8));
-    descriptors.push_back(noisy);
-  }
-  // Whichever were drawn to begin with: of several seeds one at least begins in all four.
-  double best = 1e300;
-  for (uint64_t seed = 1; seed <= 20; ++seed) {
-    const cv::Mat words = LearnBinaryWords(descriptors, 4, seed);
-    double sum = 0;
-    for (int k = 0; k < 4; ++k) {
-      double nearest = 1e300;
-      for (int word = 0; word < 4; ++word)
-        nearest = std::min(nearest, cv::norm(centres.row(k), words.row(word), cv::NORM_HAMMING));
-      sum += nearest;
-    }
-    best = std::min(best, sum);
-  }
-  EXPECT_LE(best, 2);
 }
 
 TEST(PlaceIndex, SaysWhatIsWrongInOneLine) {

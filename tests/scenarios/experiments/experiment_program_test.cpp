@@ -9,6 +9,7 @@
 #include "scenarios/code/experiments/photographs.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "tests/scenarios/program.h"
+#include "tests/scenarios/tiny_walk.h"
 #include "tests/temporary_folder.h"
 
 namespace gaitcam {
@@ -71,6 +72,9 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"crowds --scene labb", "labb"},
                                         {"crowds --detector syft", "syft"},
                                         {"odometry", "study file"},
+                                        {"loops", "at least one folder of a recorded walk"},
+                                        {"loops nowhere", "nowhere"},
+                                        {"loops nowhere --words 1", "--words: 1 is not permitted"},
                                         {"nees --repeats 0", "--repeats: 0 is not permitted"},
                                         {"nees --scene labb", "labb"},
                                         {"localisation --set duration=1", "duration"},
@@ -89,6 +93,27 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
     EXPECT_EQ(Lines(result.err), 1) << result.err;
     EXPECT_TRUE(fs::is_empty(temporary_.path())) << words;
   }
+}
+
+TEST_F(ExperimentProgramTest, LoopsAsksEveryMemoryAlongARecordedWalkAndLearnsFromOthersOnly) {
+  RecordTinyWalk(File("here"), "tum");
+  RecordTinyWalk(File("there"), "tum", {"path.direction=right"});
+  // Within 2 s the robot is where it was: any view may be any other's place. A place is any view but the first.
+  const std::string words = "loops here/walk --apart-s 0 --every-s 0.1 --same-heading-deg 180 --words 5 ";
+  const ProgramResult alone = Run(words + "--out alone.md");
+  EXPECT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_THAT(ReadText(File("alone.md")), testing::ContainsRegex("\\| walk \\| pirf_nav \\| 20 \\| 19 \\|"));
+  EXPECT_EQ(ReadText(File("alone.md")).find("| fab_map"), std::string::npos);
+  const ProgramResult taught = Run(words + "--train there/walk --train here/walk --out taught.md");
+  EXPECT_EQ(taught.exit_code, 0) << taught.err;
+  const std::string table = ReadText(File("taught.md"));
+  EXPECT_THAT(table, HasSubstr("5 words learned from 20 views"));  // of the other walk alone
+  for (const std::string method : {"icgm_slam, double", "bag_of_words", "fab_map, sampled"})
+    EXPECT_THAT(table, HasSubstr("| walk | " + method + " | 20 | 19 | "));
+  EXPECT_THAT(ReadText(File("taught.csv")),
+              HasSubstr("walk,method,threshold,right,wrong,precision,recall\nwalk,\"pirf"));
+  // By default 20 s must lie between two visits.
+  EXPECT_EQ(Run("loops here/walk").exit_code, 3);
 }
 
 TEST_F(ExperimentProgramTest, ATableNamesTheCommandThatMakesItAgain) {

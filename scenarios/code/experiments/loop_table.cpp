@@ -1,0 +1,221 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/io/dataset_reader.h"
+#include "algorithms/places/bag_of_words.h"
+#include "algorithms/places/fab_map.h"
+#include "algorithms/slam/appearance_slam.h"
+#include "results/scoring/loop_recall.h"
+#include "scenarios/code/experiments/processor_time.h"
+#include "scenarios/code/experiments/table_experiment.h"
+#include "scenarios/code/runs/output_folder.h"
+#include "scenarios/code/runs/recorded_walk.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct LoopTableOptions {
+  InputPaths walks;
+  std::vector<std::string> train;
+  int words = 1000;
+  ViewOptions views;
+  LoopTruthOptions truth;
+  uint64_t seed = 1;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, LoopTableOptions& o) {
+  visit("walks", o.walks, Nested(), "recorded folders of walks that come back to where they were");
+  visit("train", o.train, Nested(),
+        "recorded folder of another scene, to learn words from; only fab_map and bag_of_words "
+        "learn, and each walk's own folder is left out");
+  visit("words", o.words, Between(2, 100000), "of the vocabulary");
+  visit("seed", o.seed, Between(0, 1e15), "of the vocabulary");
+  VisitFields(visit, o.views);
+  VisitFields(visit, o.truth);
+}
+
+/// A recorded walk, its views' features, and where they were taken.
+struct Film {
+  std::string name;
+  std::vector<Observation> views;
+  std::vector<Pose> X_WC;
+};
+
+/// Frames at least `every_s` apart. @throws BadInput without truth.
+Film ReadFilm(const fs::path& folder, double every_s) {
+  const fs::path sensors = FindDataset(folder);
+  const DatasetFolders folders{sensors, sensors.string() + "-truth"};
+  std::map<int64_t, Pose> truth;
+  for (const RecordedFrame& frame : ReadRecordedWalk(folders).frames) truth[frame.stamp_ns] = frame.X_WC;
+  Film film;
+  film.name = folder.lexically_normal().filename().string();
+  DatasetReader reader(sensors);
+  while (auto observation = reader.Next()) {
+    const auto pose = truth.find(observation->stamp_ns);
+    if (pose == truth.end()) continue;
+    if (!film.views.empty() && double(observation->stamp_ns - film.views.back().stamp_ns) * 1e-9 < every_s - 1e-3)
+      continue;
+    film.views.push_back(*observation);
+    film.X_WC.push_back(pose->second);
+  }
+  if (film.views.empty()) throw BadInput(folder.string() + ": has no frame of which the true pose is recorded");
+  return film;
+}
+
+struct Outcome {
+  std::string walk, method;
+  int views = 0, accepted = 0, right = 0;
+  PrecisionRecall curve;
+  double ms_per_view = 0, bytes_per_place = 0;
+};
+
+Outcome Recognise(const Film& film, const std::string& method, AppearanceSlam& slam, const LoopTableOptions& options) {
+  const double before_ms = ProcessorTime_ms();
+  for (const Observation& view : film.views) slam.Track(view);
+  slam.Finish();
+  Outcome outcome;
+  outcome.walk = film.name;
+  outcome.method = method;
+  outcome.views = int(film.views.size());
+  outcome.ms_per_view = (ProcessorTime_ms() - before_ms) / double(film.views.size());
+  outcome.bytes_per_place = double(slam.graph().nodes.back().bytes);
+  std::vector<LoopAnswer> answers;
+  for (const AppearanceTest& test : slam.tests()) answers.push_back({test.place, test.confidence, test.first_places});
+  const std::vector<LoopDecision> decisions = JudgeLoops(answers, film.X_WC, options.truth);
+  for (size_t view = 0; view < decisions.size(); ++view) {
+    outcome.accepted += slam.tests()[view].known;
+    outcome.right += slam.tests()[view].known && decisions[view].right;
+  }
+  outcome.curve = PrecisionRecallOf(decisions);
+  return outcome;
+}
+
+std::string Percent(int part, int whole) { return whole == 0 ? "-" : fmt::format("{:.1f}", 100.0 * part / whole); }
+
+std::string Row(const Outcome& o) {
+  return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {:.3f} | {:.1f} | {:.1f} | {:.1f} |\n", o.walk, o.method,
+                     o.views, o.curve.possible, o.accepted, Percent(o.right, o.accepted),
+                     Percent(o.right, o.curve.possible), o.curve.area, 100 * o.curve.recall_at_full_precision,
+                     o.ms_per_view, o.bytes_per_place / 1000);
+}
+
+/// Every memory of places on the same recorded walks: what it recognises, and what it takes for another place.
+class LoopTable : public ExperimentOf<LoopTableOptions> {
+ public:
+  void Run(const ExperimentSetup& setup) override {
+    if (options_.walks.paths.empty()) throw BadInput("walks: name at least one folder of a recorded walk");
+    command_ = setup.command;
+    cv::setNumThreads(1);  // times are one thread's
+    for (const std::string& path : options_.walks.paths) {
+      const Film film = ReadFilm(path, options_.views.every_s);
+      for (const auto& [method, make] : Methods(path)) {
+        outcomes_.push_back(Recognise(film, method, *make(), options_));
+        if (!setup.quiet) fmt::print(stderr, "{}", Row(outcomes_.back()));
+      }
+    }
+    WriteTextFile(fs::path(setup.table).replace_extension(".csv"), Curves());
+  }
+  std::string Table() const override {
+    std::string text = fmt::format(
+        "# Places recognised along a walk\n\nMade by `{}`.\n\nEvery view is a place and is asked about before it "
+        "becomes "
+        "one; views of the last {:g} s cannot be the answer. An answer is right where the view was taken within {:g} m "
+        "and {:g} degrees of the place that it names; of so many views a right answer was possible. Precision and "
+        "recall "
+        "are those of the loops that a method accepts by its default threshold; area and recall at 100 % precision are "
+        "over all thresholds, the surest answer first. ms: one thread's processor time per view, features, question "
+        "and learning together. kB: of a place, without the vocabulary. fab_map and bag_of_words have {} words learned "
+        "from {} views of other walks. These two, and `all features`, take every feature of a view; the others those "
+        "that neighbouring views show too.\n\n"
+        "| walk | method | views | possible | accepted | precision, % | recall, % | area | recall at 100 %, % | ms | "
+        "kB "
+        "|\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
+        command_, options_.views.apart_s, options_.truth.same_place_m, options_.truth.same_heading_deg, options_.words,
+        training_views_);
+    for (const Outcome& outcome : outcomes_) text += Row(outcome);
+    return text;
+  }
+
+ private:
+  using Method = std::pair<std::string, std::function<std::unique_ptr<AppearanceSlam>()>>;
+
+  template <class Options>
+  Method Of(const std::string& name, Options options) const {
+    options.views = options_.views;
+    return {name, [options, seed = options_.seed] { return std::make_unique<AppearanceSlam>(options, seed); }};
+  }
+  Method OfMemory(const std::string& name, const std::function<std::unique_ptr<PlaceMemory>()>& make) const {
+    return {name, [this, make] {
+              return std::make_unique<AppearanceSlam>(make(), options_.views, RobustViewOptions(), options_.seed);
+            }};
+  }
+
+  std::vector<Method> Methods(const std::string& walk) {
+    PirfNavSlamOptions plain;
+    plain.robust.robust = Robustness::kNone;
+    IcgmSlamOptions both_ways;
+    both_ways.robust.icgm.direction = IcgmDirection::kDouble;
+    std::vector<Method> methods{Of("pirf_nav", PirfNavSlamOptions()), Of("pirf_nav, all features", plain),
+                                Of("icgm_slam, single", IcgmSlamOptions()), Of("icgm_slam, double", both_ways)};
+    if (options_.train.empty()) return methods;
+    const FabMapModel model = Learn(walk);
+    methods.push_back(OfMemory("bag_of_words", [model]() -> std::unique_ptr<PlaceMemory> {
+      return std::make_unique<BagOfWords>(model.vocabulary, model.samples);
+    }));
+    for (const NewPlaceModel new_place : {NewPlaceModel::kSampled, NewPlaceModel::kMeanField}) {
+      methods.push_back(
+          OfMemory("fab_map, " + std::string(ToWord(new_place)), [model, new_place]() -> std::unique_ptr<PlaceMemory> {
+            FabMapOptions options;
+            options.new_place_model = new_place;
+            return std::make_unique<FabMap>(model, options);
+          }));
+    }
+    return methods;
+  }
+
+  /// From all training walks but the one that is asked about.
+  FabMapModel Learn(const std::string& walk) {
+    const cv::Ptr<cv::Feature2D> detector = MakeFeature2d(options_.views.feature);
+    std::vector<cv::Mat> descriptors;
+    for (const std::string& path : options_.train) {
+      if (fs::equivalent(path, walk)) continue;
+      for (const Observation& view : ReadFilm(path, options_.views.every_s).views)
+        descriptors.push_back(DetectFeatures(*detector, view.image.pixels, options_.views.max_features).descriptors);
+    }
+    training_views_ = descriptors.size();
+    return LearnFabMapModel(descriptors, options_.words, options_.seed);
+  }
+
+  /// Every point of every curve.
+  std::string Curves() const {
+    std::string text = "walk,method,threshold,right,wrong,precision,recall\n";
+    for (const Outcome& o : outcomes_) {
+      for (const PrecisionRecallPoint& p : o.curve.curve) {
+        text += fmt::format("{},\"{}\",{:.6g},{},{},{:.4f},{:.4f}\n", o.walk, o.method, p.threshold, p.right, p.wrong,
+                            p.precision, p.recall);
+      }
+    }
+    return text;
+  }
+
+  std::string command_;
+  size_t training_views_ = 0;
+  std::vector<Outcome> outcomes_;
+};
+
+}  // namespace
+
+std::unique_ptr<TableExperiment> MakeLoopTable() { return std::make_unique<LoopTable>(); }
+
+}  // namespace gaitcam
