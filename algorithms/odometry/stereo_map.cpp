@@ -154,7 +154,9 @@ void StereoMap::TakeOver(const Window& window, const StereoBundleResult& result)
   for (size_t i = 0; i < window.landmarks.size(); ++i) {
     StereoLandmark& landmark = landmarks_[size_t(window.landmarks[i])];
     landmark.p_W = window.problem.points[i];
-    if (result.point_covariances[i].allFinite()) landmark.covariance_W = result.point_covariances[i];
+    const Eigen::Matrix3d& covariance = result.point_covariances[i];
+    landmark.determined = covariance.allFinite() && covariance.llt().info() == Eigen::Success;
+    if (landmark.determined) landmark.covariance_W = covariance;
   }
   rig_.X_LR = window.problem.X_LR;
 }
@@ -202,7 +204,7 @@ Matrix6d StereoMap::GrownBetween(int from, int to) const {
 bool StereoMap::IsKnown(const StereoLandmark& landmark) const {
   constexpr double kLeastKnown = 0.5;
   const double distance = (landmark.p_W - keyframes_.back().translation).norm();
-  return std::sqrt(landmark.covariance_W.trace()) < kLeastKnown * distance;
+  return landmark.determined && std::sqrt(landmark.covariance_W.trace()) < kLeastKnown * distance;
 }
 
 void StereoMap::RetireUnseen() {

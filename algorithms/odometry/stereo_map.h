@@ -24,11 +24,12 @@ struct StereoObservation {
 
 struct StereoLandmark {
   Eigen::Vector3d p_W;
-  Eigen::Matrix3d covariance_W;  ///< The keyframes taken as exact.
+  Eigen::Matrix3d covariance_W;  ///< The keyframes taken as exact. Positive definite.
   std::vector<StereoObservation> observations;
-  cv::Mat descriptor;    ///< One row, of the last keyframe that saw it; empty once it is retired.
-  cv::Mat latest;        ///< One row, of the last frame that saw it; empty if that is the keyframe.
-  bool retired = false;  ///< No keyframe of the window sees it: it stays as it is and is searched for no more.
+  cv::Mat descriptor;      ///< One row, of the last keyframe that saw it; empty once it is retired.
+  cv::Mat latest;          ///< One row, of the last frame that saw it; empty if that is the keyframe.
+  bool determined = true;  ///< By its images as the last adjustment had them; else covariance_W is that of before.
+  bool retired = false;    ///< No keyframe of the window sees it: it stays as it is and is searched for no more.
 };
 
 /// Which landmark is which left feature of a view.
