@@ -155,7 +155,7 @@ void StereoMap::TakeOver(const Window& window, const StereoBundleResult& result)
     StereoLandmark& landmark = landmarks_[size_t(window.landmarks[i])];
     landmark.p_W = window.problem.points[i];
     const Eigen::Matrix3d& covariance = result.point_covariances[i];
-    landmark.determined = covariance.allFinite() && covariance.llt().info() == Eigen::Success;
+    landmark.determined = IsKnown(landmark.p_W, covariance);
     if (landmark.determined) landmark.covariance_W = covariance;
   }
   rig_.X_LR = window.problem.X_LR;
@@ -201,10 +201,11 @@ Matrix6d StereoMap::GrownBetween(int from, int to) const {
 }
 
 /// Its distance from the camera is known to a part of it: observations that were given up may leave too few.
-bool StereoMap::IsKnown(const StereoLandmark& landmark) const {
+bool StereoMap::IsKnown(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& covariance) const {
   constexpr double kLeastKnown = 0.5;
-  const double distance = (landmark.p_W - keyframes_.back().translation).norm();
-  return landmark.determined && std::sqrt(landmark.covariance_W.trace()) < kLeastKnown * distance;
+  const double distance = (p_W - keyframes_.back().translation).norm();
+  return covariance.allFinite() && covariance.llt().info() == Eigen::Success &&
+         std::sqrt(covariance.trace()) < kLeastKnown * distance;
 }
 
 void StereoMap::RetireUnseen() {
@@ -213,7 +214,7 @@ void StereoMap::RetireUnseen() {
   for (const int l : active_) {
     StereoLandmark& landmark = landmarks_[size_t(l)];
     const bool is_seen = !landmark.observations.empty() && landmark.observations.back().keyframe >= begin;
-    if (is_seen && IsKnown(landmark)) {
+    if (is_seen && landmark.determined && IsKnown(landmark.p_W, landmark.covariance_W)) {
       still.push_back(l);
       continue;
     }

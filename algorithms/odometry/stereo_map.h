@@ -95,7 +95,7 @@ class StereoMap {
   void LearnRig(const StereoBundleResult& result);
   void GrowShared(const StereoBundleResult& result);
   void AddLandmarks(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches);
-  bool IsKnown(const StereoLandmark& landmark) const;
+  bool IsKnown(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& covariance) const;
   void RetireUnseen();
 
   StereoRig rig_;
