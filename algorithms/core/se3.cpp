@@ -1,5 +1,6 @@
 #include "algorithms/core/se3.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
@@ -139,6 +140,10 @@ Matrix6d CovarianceOfRelative(const Pose& X_BC, const Matrix6d& covariance_AB, c
 Matrix6d CarryCovariance(const Matrix6d& covariance_WA, const Pose& X_AB) {
   const Matrix6d adjoint = Adjoint(X_AB.Inverse());
   return adjoint * covariance_WA * adjoint.transpose();
+}
+
+double LargestSigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().maxCoeff());
 }
 
 RelativePose RelativePose::Inverse() const {

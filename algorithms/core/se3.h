@@ -78,6 +78,9 @@ Matrix6d CovarianceOfRelative(const Pose& X_BC, const Matrix6d& covariance_AB, c
 /// Of X_WA, as one of X_WB where B stands rigidly to A: the same error, in the tangent of B.
 Matrix6d CarryCovariance(const Matrix6d& covariance_WA, const Pose& X_AB);
 
+/// Standard deviation in the direction that is known least, of a position or a rotation, in the covariance's units.
+double LargestSigma(const Eigen::Matrix3d& covariance);
+
 /// How a body moved from one instant to another: X_FT maps its frame at `to_ns` (T) into that at `from_ns` (F).
 struct RelativePose {
   int64_t from_ns = 0, to_ns = 0;

@@ -92,13 +92,13 @@ Eigen::Matrix2d NoiseBound(const cv::Mat& grey, const cv::KeyPoint& keypoint, do
 }
 
 Eigen::Matrix2d KeypointCovariance(const cv::KeyPoint& keypoint, const Eigen::Matrix2d& spread,
-                                   const KeypointNoiseOptions& o) {
+                                   const Eigen::Matrix2d& bound, const KeypointNoiseOptions& o) {
   constexpr double kExtent2PerSpread = 12;
   const double across = kExtent2PerSpread * std::pow(o.sigma_across_blur, 2);
   const double along = kExtent2PerSpread * std::pow(o.sigma_per_blur, 2) - across;
   const double isotropic =
       std::pow(o.sigma_px, 2) + std::pow(o.sigma_per_size * keypoint.size, 2) + across * spread.trace();
-  return isotropic * Eigen::Matrix2d::Identity() + along * spread;
+  return isotropic * Eigen::Matrix2d::Identity() + along * spread + std::pow(o.sigma_per_noise, 2) * bound;
 }
 
 }  // namespace gaitcam

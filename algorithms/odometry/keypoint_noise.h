@@ -7,7 +7,8 @@
 /// The defaults are those of SIFT, calibrated on `hall`, which no suite films: recordings by
 ///   gaitcam record scenarios/stereo_walk.yaml --format euroc --truth-inside --set scene=hall --set duration_s=6
 /// at 640 x 480 (seed 1) and 320 x 240 (seed 101, variation=repeat; gaits slow, normal, brisk; 5 to 33 ms), by what
-/// residuals and normalised errors (nees_1f, nees_1s) of poses were at blurs of 0 to 22 px.
+/// residuals and normalised errors (nees_1f, nees_1s) of poses were at blurs of 0 to 22 px. `sigma_per_noise` is not
+/// calibrated: it is 1, which the bound itself says.
 
 #pragma once
 
@@ -85,7 +86,8 @@ Eigen::Matrix2d NoiseBound(const cv::Mat& grey, const cv::KeyPoint& keypoint, do
 
 /// px^2, of the key point's position.
 /// @param spread as of BlurSpread
+/// @param bound as of NoiseBound
 Eigen::Matrix2d KeypointCovariance(const cv::KeyPoint& keypoint, const Eigen::Matrix2d& spread,
-                                   const KeypointNoiseOptions& options);
+                                   const Eigen::Matrix2d& bound, const KeypointNoiseOptions& options);
 
 }  // namespace gaitcam

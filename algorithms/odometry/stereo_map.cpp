@@ -214,7 +214,7 @@ void StereoMap::RetireUnseen() {
   for (const int l : active_) {
     StereoLandmark& landmark = landmarks_[size_t(l)];
     const bool is_seen = !landmark.observations.empty() && landmark.observations.back().keyframe >= begin;
-    if (is_seen && landmark.determined && IsKnown(landmark.p_W, landmark.covariance_W)) {
+    if (is_seen && landmark.determined) {
       still.push_back(l);
       continue;
     }

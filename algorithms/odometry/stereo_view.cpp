@@ -153,8 +153,7 @@ void UndoBlur(const CameraModel& camera, const std::vector<ExposureRotation>& ro
     const Eigen::Matrix2d spread = BlurSpread(camera, rotations, pixel);
     pixel -= BlurOffset(camera, rotations, pixel, noise.offset_scale * keypoint.size);
     features.xy[i] = camera.Unproject(pixel).head<2>();
-    features.covariance_px.push_back(KeypointCovariance(keypoint, spread, noise) +
-                                     std::pow(noise.sigma_per_noise, 2) * features.noise_px[i]);
+    features.covariance_px.push_back(KeypointCovariance(keypoint, spread, features.noise_px[i], noise));
     const Eigen::Matrix2d J = camera.DistortionJacobian(features.xy[i]).inverse() * per_focal;
     features.covariance.push_back(J * features.covariance_px.back() * J.transpose());
   }

@@ -1,6 +1,5 @@
 #include "algorithms/odometry/stereo_vo.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -55,10 +54,8 @@ Matrix6d DifferenceOfLandmarks(const LandmarkGains& before, const LandmarkGains&
 
 /// The images say more of a pose than was known before them.
 bool Supports(const Matrix6d& own, const RigPosePrior& prior) {
-  const auto largest = [](const Eigen::Matrix3d& covariance) {
-    return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().maxCoeff());
-  };
-  return largest(own.topLeftCorner<3, 3>()) < prior.sigma_m && largest(own.bottomRightCorner<3, 3>()) < kTurnKnown_rad;
+  return LargestSigma(own.topLeftCorner<3, 3>()) < prior.sigma_m &&
+         LargestSigma(own.bottomRightCorner<3, 3>()) < kTurnKnown_rad;
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "algorithms/slam/pose_slam.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/core/units.h"
 
 namespace gaitcam {
@@ -19,11 +19,6 @@ Matrix6d Isotropic(double sigma_m, double sigma_rad) {
   Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(sigma_m), Eigen::Vector3d::Constant(sigma_rad);
   return sigma.cwiseAbs2().asDiagonal();
-}
-
-/// Standard deviation in the direction that is known least.
-double LargestSigma(const Eigen::Matrix3d& covariance) {
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().maxCoeff());
 }
 
 }  // namespace

@@ -81,11 +81,15 @@ TEST(StereoVo, FollowsAMotionInMetres) {
 }
 
 TEST(StereoVo, EveryPoseHasACovarianceOfWhichItsOwnIsAPart) {
-  for (const FrameEstimate& frame : TrackedSideways().last_word) {
-    ASSERT_TRUE(frame.covariance && frame.own_covariance);
-    const Matrix6d shared = *frame.covariance - *frame.own_covariance;
-    const double size = frame.covariance->norm();
-    EXPECT_GE((shared + 1e-9 * size * Matrix6d::Identity()).ldlt().vectorD().minCoeff(), 0);
+  for (const auto& frames : {TrackedSideways().live.frames, TrackedSideways().last_word}) {
+    for (const FrameEstimate& frame : frames) {
+      ASSERT_TRUE(frame.covariance && frame.own_covariance);
+      EXPECT_LT(frame.covariance->norm(), 0.01) << "10 cm in a room of 4 m";
+      for (const Matrix6d& part : {*frame.own_covariance, Matrix6d(*frame.covariance - *frame.own_covariance)}) {
+        const double size = frame.covariance->norm();
+        EXPECT_GE((part + 1e-9 * size * Matrix6d::Identity()).ldlt().vectorD().minCoeff(), 0);
+      }
+    }
   }
 }
 
@@ -222,16 +226,49 @@ TEST(KeypointNoise, BlurOffsetIsTheMeanForCoarsePointsAndWhereTheImageLingeredFo
 }
 
 TEST(KeypointNoise, GrowsAlongTheBlurAndWithTheScale) {
-  KeypointNoiseOptions options;
+  const KeypointNoiseOptions options;
+  const Eigen::Matrix2d kNone = Eigen::Matrix2d::Zero();
   cv::KeyPoint small({50, 50}, 2), large({50, 50}, 20);
-  const Eigen::Matrix2d sharp = KeypointCovariance(small, Eigen::Matrix2d::Zero(), options);
+  const Eigen::Matrix2d sharp = KeypointCovariance(small, kNone, kNone, options);
   EXPECT_EQ(sharp(0, 0), sharp(1, 1));
-  EXPECT_GT(KeypointCovariance(large, Eigen::Matrix2d::Zero(), options)(0, 0), sharp(0, 0));
+  EXPECT_GT(KeypointCovariance(large, kNone, kNone, options)(0, 0), sharp(0, 0));
   const auto turn = Turn({-0.04, -0.02, 0, 0.02, 0.04});
   const Eigen::Matrix2d spread = BlurSpread(kCamera, turn, {119.5, 89.5});
   EXPECT_NEAR(spread(0, 0), std::pow(kCamera.fx, 2) * 8e-4, 0.2) << "the mean square of the turn";
-  const Eigen::Matrix2d blurred = KeypointCovariance(small, spread, options);
+  const Eigen::Matrix2d blurred = KeypointCovariance(small, spread, kNone, options);
   EXPECT_GT(blurred(0, 0), 2 * blurred(1, 1));
+}
+
+/// A vertical edge of `contrast` grey levels, 4 px wide, with noise.
+cv::Mat NoisyEdge(double contrast, double noise) {
+  RandomStream random(1, "edge");
+  cv::Mat image(180, 240, CV_8UC1);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      const double edge = std::clamp((x - 118) / 4.0, 0.0, 1.0);
+      image.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(120 + contrast * (edge - 0.5) + random.Normal(0, noise));
+    }
+  }
+  return image;
+}
+
+TEST(KeypointNoise, TheNoiseOfAnImageIsMeasured) {
+  for (const double noise : {2.0, 5.0, 12.0}) {
+    EXPECT_NEAR(ImageNoise(NoisyEdge(0, noise)), noise, 0.03 * noise);  // 43,200 pixels; rounding adds 0.08 at most
+  }
+  EXPECT_EQ(ImageNoise(cv::Mat(2, 2, CV_8UC1, cv::Scalar(7))), 0);
+}
+
+TEST(KeypointNoise, TheBoundIsThatOfAnEdge) {
+  const cv::KeyPoint on_edge({120, 90}, 12), in_nothing({40, 90}, 12);  // 13 x 13 pixels
+  const Eigen::Matrix2d bound = NoiseBound(NoisyEdge(80, 2), on_edge, 2);
+  const double information = 13 * 3.5 * 20 * 20;  // 13 rows, 20 levels a pixel at 3 of them, half that at both ends
+  EXPECT_NEAR(bound(0, 0), 4 / information, 0.1 * 4 / information);
+  EXPECT_GT(bound(1, 1), 100 * bound(0, 0)) << "along the edge";
+  const Eigen::Matrix2d nothing = NoiseBound(NoisyEdge(80, 2), in_nothing, 2);
+  EXPECT_NEAR(nothing(0, 0), 1 / (0.05 * 169), 0.5 / (0.05 * 169)) << "bounded";
+  EXPECT_GT(nothing(0, 0), 100 * bound(0, 0));
+  EXPECT_EQ(NoiseBound(NoisyEdge(80, 2), on_edge, 0), Eigen::Matrix2d(Eigen::Matrix2d::Zero()));
 }
 
 }  // namespace
