@@ -1,6 +1,7 @@
 #include "algorithms/geometry/point_elimination.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -12,6 +13,16 @@ template <class Diagonal>
 auto Extra(const Diagonal& diagonal, double damping) {
   constexpr double kLeastCurvature = 1e-6;
   return (damping * diagonal.cwiseMax(kLeastCurvature)).eval();
+}
+
+/// Of a point that its images leave open along some directions, the inverse along the others: what is open does not
+/// depend on the poses either.
+Eigen::Matrix3d PseudoInverse(const Eigen::Matrix3d& H) {
+  constexpr double kOpen = 1e-12;  // of the largest curvature
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(H);
+  const Eigen::Vector3d inverse = axes.eigenvalues().unaryExpr(
+      [&](double curvature) { return curvature > kOpen * axes.eigenvalues()[2] ? 1 / curvature : 0.0; });
+  return axes.eigenvectors() * inverse.asDiagonal() * axes.eigenvectors().transpose();
 }
 
 /// Equations over the poses alone.
@@ -27,7 +38,7 @@ struct Reduced {
       const EliminatedPoint& point = equations.points[i];
       Eigen::Matrix3d H = point.H;
       H.diagonal() += Extra(point.H.diagonal(), damping);
-      inverses[i] = H.inverse();
+      inverses[i] = damping > 0 ? Eigen::Matrix3d(H.inverse()) : PseudoInverse(H);
       for (size_t a = 0; a < point.links.size(); ++a) {
         const PosePointLink& link = point.links[a];
         const Eigen::Matrix<double, 6, 3> W = link.H * inverses[i];

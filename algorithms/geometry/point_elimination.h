@@ -50,7 +50,7 @@ std::optional<PosePointStep> SolvePosesAndPoints(const PosePointEquations& equat
 /// Covariances at the minimum, where residuals have unit variance.
 struct PosePointCovariances {
   Eigen::MatrixXd poses;                ///< The points' errors included; empty where the equations are singular.
-  std::vector<Eigen::Matrix3d> points;  ///< The poses held fixed.
+  std::vector<Eigen::Matrix3d> points;  ///< The poses held fixed. Singular: its images leave the point open.
 };
 PosePointCovariances CovariancesOf(const PosePointEquations& equations);
 

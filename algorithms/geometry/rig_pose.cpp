@@ -156,7 +156,8 @@ class RigPoseProblem {
     for (const auto& [cell, sum] : cells) by_cell += sum * sum.transpose();
     // The fit has taken six numbers from the residuals, and so few cells say little: an inverse of 7 fewer is unbiased.
     const double count = double(cells.size());
-    result.covariance_by_residuals = count / std::max(1.0, count - 7) * (inverse * by_cell * inverse);
+    result.covariance_by_residuals =
+        count / std::max(1.0, count - 7) * (inverse * by_cell * inverse) + inverse * PriorInformation() * inverse;
     for (size_t i = 0; i < use.size(); ++i) {
       if (use[i] == SightingUse::kNone) continue;
       result.by_point[i] = (inverse * result.by_point[i]).eval();

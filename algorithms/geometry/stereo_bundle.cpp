@@ -1,5 +1,6 @@
 #include "algorithms/geometry/stereo_bundle.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,6 +32,7 @@ class RigBundleEquations {
 
   /// At the state that was linearised last.
   void FillCovariances(StereoBundleResult& result) const;
+  std::vector<Matrix6d> OwnCovariances(const RigBundleState& state) const;
   std::vector<double> Errors2(const RigBundleState& state) const;
 
  private:
@@ -185,6 +187,33 @@ void RigBundleEquations::FillCovariances(StereoBundleResult& result) const {
   if (rig_ >= 0) result.rig_covariance = of_pose(rig_);
 }
 
+std::vector<Matrix6d> RigBundleEquations::OwnCovariances(const RigBundleState& state) const {
+  const Views views = ViewsOf(state);
+  std::vector<int> seen_by(state.points.size(), -1);
+  std::vector<bool> shared(state.points.size(), false);
+  for (const StereoBundleObservation& observation : problem_.observations) {
+    int& camera = seen_by[size_t(observation.point)];
+    if (camera < 0) camera = observation.camera;
+    if (camera != observation.camera) shared[size_t(observation.point)] = true;
+  }
+  std::vector<Matrix6d> information(state.cameras.size(), Matrix6d::Zero());
+  for (size_t k = 0; k < problem_.observations.size(); ++k) {
+    const StereoBundleObservation& observation = problem_.observations[k];
+    if (!shared[size_t(observation.point)]) continue;
+    const auto sight = ProjectInRig(views.X_CW[size_t(observation.camera)], observation.right ? &views.X_RL : nullptr,
+                                    state.points[size_t(observation.point)]);
+    if (!sight) continue;
+    const double error2 = (whiten_[k] * (sight->xy - observation.xy)).squaredNorm();
+    const Eigen::Matrix<double, 2, 6> J = whiten_[k] * sight->by_camera;
+    information[size_t(observation.camera)] += HuberLoss(error2, options_.huber).weight * J.transpose() * J;
+  }
+  for (Matrix6d& block : information) {
+    const Eigen::LLT<Matrix6d> factors(block);
+    block = factors.info() == Eigen::Success ? Matrix6d(factors.solve(Matrix6d::Identity())) : Matrix6d::Zero();
+  }
+  return information;
+}
+
 }  // namespace
 
 StereoBundleResult AdjustStereoBundle(StereoBundleProblem& problem, const StereoBundleOptions& options) {
@@ -197,6 +226,7 @@ StereoBundleResult AdjustStereoBundle(StereoBundleProblem& problem, const Stereo
   result.cost_before = minimum.cost_before;
   result.cost_after = minimum.cost_after;
   equations.FillCovariances(result);
+  result.own_covariances = equations.OwnCovariances(state);
   result.errors2 = equations.Errors2(state);
   problem.X_LR = state.X_LR;
   problem.points = state.points;

@@ -45,9 +45,13 @@ struct StereoBundleResult {
   bool has_covariance = false;             ///< False: singular.
   /// Of each camera's tangent, relative to the fixed ones; zero for those. All else is marginalised.
   std::vector<Matrix6d> camera_covariances;
-  std::vector<Eigen::Matrix3d> point_covariances;  ///< Of each p_W, the cameras held fixed.
-  Matrix6d rig_covariance = Matrix6d::Zero();      ///< Of X_LR; zero if fixed.
-  std::vector<double> errors2;                     ///< Squared Mahalanobis length of each observation's residual.
+  /// Of each camera's tangent, those of the fixed ones too, by its own images of points that another camera sees, the
+  /// points taken as exact. Zero where these determine no pose.
+  std::vector<Matrix6d> own_covariances;
+  /// Of each p_W, the cameras held fixed. Singular: its images leave the point open.
+  std::vector<Eigen::Matrix3d> point_covariances;
+  Matrix6d rig_covariance = Matrix6d::Zero();  ///< Of X_LR; zero if fixed.
+  std::vector<double> errors2;                 ///< Squared Mahalanobis length of each observation's residual.
 };
 
 /// Refines the problem in place. Deterministic.

@@ -70,6 +70,25 @@ Eigen::Quaterniond ExposureMotion::TurnSinceLastPose() const {
   return turns.front().rotation * turns.back().rotation.conjugate();
 }
 
+double ExposureMotion::TurnSigma() const {
+  if (poses_.empty()) return 0;
+  const double seconds = double(stamp_ns_ - poses_.back().stamp_ns) * 1e-9;
+  constexpr double kHead_rad_s = 2;
+  if (!HasGyro() || !(seconds > 0)) return kHead_rad_s * std::max(0.0, seconds);
+  constexpr double kMisaligned_rad = 0.5 * kRadPerDeg, kOffset_s = 2e-3, kBias_rad_s = 0.01;
+  const double turn = RotationAngle(Eigen::Quaterniond::Identity(), TurnSinceLastPose());
+  const double change = (RateAt(stamp_ns_) - RateAt(poses_.back().stamp_ns)).norm();
+  return Eigen::Vector3d(kMisaligned_rad * turn, kOffset_s * change, kBias_rad_s * seconds).norm();
+}
+
+/// The gyroscope's reading next to an instant.
+/// @pre HasGyro()
+const Eigen::Vector3d& ExposureMotion::RateAt(int64_t stamp_ns) const {
+  const auto after = std::lower_bound(readings_.begin(), readings_.end(), stamp_ns,
+                                      [](const ImuSample& reading, int64_t at) { return reading.stamp_ns < at; });
+  return after == readings_.end() ? readings_.back().angular_rate : after->angular_rate;
+}
+
 Eigen::Matrix3d ExposureMotion::TurnSpread() const {
   const std::vector<ExposureRotation> rotations = Rotations();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();

@@ -34,6 +34,9 @@ class ExposureMotion {
   std::vector<ExposureRotation> Rotations() const;
   /// From the present frame's camera into the last frame's that had a pose; the identity where nothing is known.
   Eigen::Quaterniond TurnSinceLastPose() const;
+  /// How wrong that may be, one standard deviation about each axis, rad: by a gyroscope as a bench calibrates it (0.5
+  /// deg of misalignment, 2 ms of offset, 0.01 rad/s of bias), or, without one, as fast as a head turns.
+  double TurnSigma() const;
 
   /// Covariance over the exposure of the turn against its middle, rad^2. Of a uniform turn by a it is a^2 / 12.
   Eigen::Matrix3d TurnSpread() const;
@@ -46,6 +49,8 @@ class ExposureMotion {
   Matrix6d UnknownMotion(double part) const;
 
  private:
+  const Eigen::Vector3d& RateAt(int64_t stamp_ns) const;
+
   ImuCalibration imu_;
   bool use_imu_;
   std::vector<ImuSample> readings_;  ///< Those that the present frame and the time since the last one need.

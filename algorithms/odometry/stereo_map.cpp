@@ -66,11 +66,11 @@ RigSighting StereoMap::SightingOf(const StereoView& view, const StereoMatch& mat
 }
 
 void StereoMap::AddKeyframe(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches,
-                            const std::vector<SightingUse>& use, const Matrix6d& own) {
+                            const std::vector<SightingUse>& use) {
   const int keyframe = int(keyframes_.size());
   grown_.push_back(Matrix6d::Zero());
   keyframes_.push_back(X_WC);
-  own_.push_back(own);
+  own_.push_back(Matrix6d::Zero());
   for (size_t m = 0; m < matches.size(); ++m) {
     if (use[m] == SightingUse::kNone) continue;
     StereoLandmark& landmark = landmarks_[size_t(matches[m].landmark)];
@@ -186,6 +186,7 @@ void StereoMap::LearnRig(const StereoBundleResult& result) {
 void StereoMap::GrowShared(const StereoBundleResult& result) {
   const size_t newest = keyframes_.size() - 1, oldest = size_t(WindowBegin());
   if (newest == oldest) return;
+  for (size_t k = oldest; k <= newest; ++k) own_[k] = result.own_covariances[k - oldest];
   const Matrix6d& whole = result.camera_covariances.back();
   const Pose X_ON = keyframes_[oldest].Inverse() * keyframes_[newest];
   const Matrix6d grown = whole - own_[newest] - CarryCovariance(own_[oldest], X_ON);

@@ -53,9 +53,8 @@ class StereoMap {
   /// Adds a keyframe: `matches` become observations, every other left feature that has a partner a new landmark. Then
   /// the window is refined.
   /// @param use of each match, what its images are good for
-  /// @param own covariance of X_WC by this frame's images alone
   void AddKeyframe(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches,
-                   const std::vector<SightingUse>& use, const Matrix6d& own);
+                   const std::vector<SightingUse>& use);
 
   /// Updates the landmarks' latest descriptors from a frame that is no keyframe.
   void Refresh(const StereoView& view, const std::vector<StereoMatch>& matches);
@@ -83,6 +82,8 @@ class StereoMap {
   /// relative to the earlier one's: it grows from keyframe to keyframe, and all frames in between share it. Positive
   /// semidefinite.
   Matrix6d GrownBetween(int from, int to) const;
+  /// What a keyframe's own images add to the error of its pose, the landmarks being exact. Positive semidefinite.
+  Matrix6d OwnCovariance(int keyframe) const { return options_.points_per_error * own_[size_t(keyframe)]; }
   /// The same since the first keyframe, which is the world: of X_WK.
   Matrix6d SharedCovariance(int keyframe) const { return GrownBetween(0, keyframe); }
 

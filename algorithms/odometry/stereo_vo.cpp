@@ -124,6 +124,7 @@ class StereoVo::Tracker {
   std::optional<StereoView> keyframe_view_;  ///< Of the frame tracked last, if it became a keyframe.
 
   std::optional<StampedPose> last_;  ///< The last known pose.
+  double last_turn_sigma_ = 0;       ///< Of its rotation, by its own images, rad.
   int lost_frames_ = 0;
   std::deque<double> blurs_;    ///< Spread of the turn over the exposure, of the latest frames.
   bool is_sharp_ = true;        ///< The present frame is among the sharper ones of these.
@@ -170,7 +171,7 @@ std::optional<StereoView> StereoVo::Tracker::View(const Observation& observation
 bool StereoVo::Tracker::Begin(const StereoView& view, Record& record) {
   const int pairs = int(std::count_if(view.partner.begin(), view.partner.end(), [](int p) { return p >= 0; }));
   if (pairs < options_.min_inliers) return false;
-  map_.AddKeyframe(view, PredictPose(), {}, {}, Matrix6d::Zero());
+  map_.AddKeyframe(view, PredictPose(), {}, {});
   keyframe_view_ = view;
   policy_.OnKeyframe(pairs);
   record.keyframe = int(map_.keyframes().size()) - 1;
@@ -204,6 +205,7 @@ bool StereoVo::Tracker::Localize(const StereoView& view, Record& record) {
   }
   Answer(found->result, landmarks, live_, record);
   last_ = {record.answer.stamp_ns, X_WC};
+  last_turn_sigma_ = LargestSigma(record.answer.own_covariance->bottomRightCorner<3, 3>());
   motion_.AddPose(record.answer.stamp_ns, X_WC);
   lost_frames_ = 0;
   Extend(view, *found);
@@ -252,14 +254,11 @@ Pose StereoVo::Tracker::PredictPose() const {
   return last_->pose * Pose(motion_.TurnSinceLastPose(), {0, 0, 0});
 }
 
-/// As far as a robot's head gets in the time since the last pose; its turn as exactly as the gyroscope of a bench
-/// calibration knows it, or as fast as a head turns.
+/// As far as a robot's head gets in the time since the last pose, and turned as the gyroscope says.
 RigPosePrior StereoVo::Tracker::Prior() const {
-  constexpr double kSpeed_mps = 0.5, kTurn_rad_s = 2, kGyro_rad = 0.005, kGyroDrift_rad_s = 0.02;
+  constexpr double kSpeed_mps = 0.5, kLeast = 1e-3;
   const double seconds = last_ ? 1e-9 * double(motion_.stamp_ns() - last_->stamp_ns) : 0;
-  const double turned = motion_.HasGyro() ? kGyro_rad + kGyroDrift_rad_s * seconds : kTurn_rad_s * seconds;
-  constexpr double kLeast = 1e-3;
-  return {PredictPose(), kLeast + kSpeed_mps * seconds, kLeast + turned};
+  return {PredictPose(), kLeast + kSpeed_mps * seconds, kLeast + std::hypot(last_turn_sigma_, motion_.TurnSigma())};
 }
 
 SinceKeyframe StereoVo::Tracker::CompareWithKeyframe(const Localized& found) const {
@@ -277,7 +276,7 @@ SinceKeyframe StereoVo::Tracker::CompareWithKeyframe(const Localized& found) con
 
 void StereoVo::Tracker::Extend(const StereoView& view, const Localized& found) {
   if (policy_.IsKeyframe(CompareWithKeyframe(found))) {
-    map_.AddKeyframe(view, found.result.X_WC, found.matches, found.result.use, found.result.covariance_own);
+    map_.AddKeyframe(view, found.result.X_WC, found.matches, found.result.use);
     keyframe_view_ = view;
     policy_.OnKeyframe(found.result.inliers);
     return;

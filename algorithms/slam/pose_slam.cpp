@@ -143,6 +143,7 @@ void PoseSlam::CloseLoops(const StereoView& view) {
     const int from = keyframes_[size_t(candidate.node)];
     auto motion = finder_.Match(from, view, odometry_.map().rig(), candidate.X_FT);
     if (!motion) continue;
+    motion->covariance = LoopCovariance(from, keyframes_.back(), *motion);
     if (InnovationChi2(candidate.X_FT, candidate.covariance, motion->X_FT, motion->covariance) > options_.loop_gate)
       continue;
     if (InformationGain(candidate.covariance, motion->covariance) < options_.loop_gain) continue;
@@ -152,6 +153,14 @@ void PoseSlam::CloseLoops(const StereoView& view) {
     Solve();
     return;
   }
+}
+
+/// Its own images' errors hang together as a keyframe's do; and what it links are the keyframes as the odometry has
+/// them, each of which is wrong by what its images made of it there.
+Matrix6d PoseSlam::LoopCovariance(int from, int to, const LoopMotion& motion) const {
+  const StereoMap& map = odometry_.map();
+  return options_.odometry.noise.points_per_error * motion.covariance +
+         CarryCovariance(map.OwnCovariance(from), motion.X_FT) + map.OwnCovariance(to);
 }
 
 /// A false loop as a place that looks alike makes one: some way and turn off, as sure of itself as a true one.

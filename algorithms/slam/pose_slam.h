@@ -96,6 +96,7 @@ class PoseSlam {
   int NodeOf(int keyframe) const;
   std::vector<Candidate> Candidates() const;
   void CloseLoops(const StereoView& view);
+  Matrix6d LoopCovariance(int from, int to, const LoopMotion& motion) const;
   void Plant(LoopMotion& motion);
   void Solve();
   FrameEstimate Corrected(const FrameEstimate& odometry, int keyframe) const;

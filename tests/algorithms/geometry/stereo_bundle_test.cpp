@@ -115,6 +115,40 @@ TEST(StereoBundle, AFixedRigStaysAsItIs) {
   EXPECT_TRUE(result.camera_covariances.front().isZero(0)) << "the world's";
 }
 
+TEST(StereoBundle, APointThatItsImagesLeaveOpenCostsNoCovariance) {
+  const World world;
+  RandomStream random(1, "open"), again(1, "open");
+  StereoBundleProblem closed = world.Problem(random, 1), open = world.Problem(again, 1);
+  open.points.emplace_back(0.1, 0.2, 2);  // one image tells no distance
+  open.observations.push_back({1, int(open.points.size()) - 1, false, {0.05, 0.1}, world.covariance});
+  const StereoBundleResult expected = AdjustStereoBundle(closed, {40, 100}),
+                           result = AdjustStereoBundle(open, {40, 100});
+  ASSERT_TRUE(result.has_covariance);
+  for (size_t k = 0; k < world.cameras.size(); ++k) {  // 1e-3: the minimum is found to so much
+    const Matrix6d& of_closed = expected.camera_covariances[k];
+    EXPECT_LE((result.camera_covariances[k] - of_closed).norm(), 1e-3 * of_closed.norm()) << k;
+    const Matrix6d& own = expected.own_covariances[k];
+    EXPECT_LE((result.own_covariances[k] - own).norm(), 1e-3 * own.norm()) << "no other camera sees it";
+  }
+  EXPECT_NE(result.point_covariances.back().llt().info(), Eigen::Success);
+}
+
+TEST(StereoBundle, OfEachCovarianceTheOwnImagesArePart) {
+  const World world;
+  RandomStream random(1, "own");
+  StereoBundleProblem problem = world.Problem(random, 1);
+  const StereoBundleResult result = AdjustStereoBundle(problem, {});
+  const Matrix6d& of_fixed = result.own_covariances.front();
+  EXPECT_EQ(of_fixed.llt().info(), Eigen::Success);
+  for (size_t k = 1; k < world.cameras.size(); ++k) {
+    const Matrix6d& own = result.own_covariances[k];
+    EXPECT_EQ(own.llt().info(), Eigen::Success);
+    EXPECT_NEAR(own.norm(), of_fixed.norm(), 0.5 * of_fixed.norm()) << "alike: they see the same from 8 cm apart";
+    const Matrix6d rest = result.camera_covariances[k] - own;
+    EXPECT_GE((rest + 1e-9 * own.norm() * Matrix6d::Identity()).ldlt().vectorD().minCoeff(), 0) << k;
+  }
+}
+
 // Sightings of the world's points, each point known with an error of its own.
 std::vector<RigSighting> RigSightings(const World& world, const Pose& X_WC, RandomStream& of_points,
                                       RandomStream& of_images) {

@@ -6,6 +6,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/units.h"
+#include "algorithms/odometry/exposure_motion.h"
 #include "algorithms/odometry/keypoint_noise.h"
 #include "algorithms/odometry/stereo_pair_vo.h"
 #include "tests/algorithms/odometry/odometry_trials.h"
@@ -237,6 +238,30 @@ TEST(KeypointNoise, GrowsAlongTheBlurAndWithTheScale) {
   EXPECT_NEAR(spread(0, 0), std::pow(kCamera.fx, 2) * 8e-4, 0.2) << "the mean square of the turn";
   const Eigen::Matrix2d blurred = KeypointCovariance(small, spread, kNone, options);
   EXPECT_GT(blurred(0, 0), 2 * blurred(1, 1));
+}
+
+/// Told of a pose at 0 s and of a frame at 0.1 s, while the gyroscope read `rate` about y, and of that much more at the
+/// end than at the start.
+ExposureMotion TurnedBy(double rate, double more, bool use_imu) {
+  ExposureMotion motion({100, 0, 0, 0, 0, Pose()}, use_imu);
+  Observation first, frame;
+  frame.stamp_ns = 100'000'000;
+  for (int i = -2; i <= 12; ++i) {
+    frame.imu.push_back({10'000'000 * i, {0, rate + more * i / 10.0, 0}, Eigen::Vector3d::Zero()});
+  }
+  motion.Add(first);
+  motion.AddPose(0, Pose());
+  motion.Add(frame);
+  return motion;
+}
+
+TEST(ExposureMotion, TheGyroscopesTurnIsAsExactAsABenchCalibratesIt) {
+  const double standing = TurnedBy(0, 0, true).TurnSigma();
+  EXPECT_NEAR(standing, 0.01 * 0.1, 1e-9) << "the bias of 0.1 s";
+  EXPECT_NEAR(TurnedBy(1, 0, true).TurnSigma(), std::hypot(standing, 0.1 * 0.5 * kRadPerDeg), 1e-9) << "misaligned";
+  const double jerked = TurnedBy(-0.5, 1, true).TurnSigma();  // no turn in all
+  EXPECT_NEAR(jerked, std::hypot(standing, 1 * 2e-3), 0.05 * jerked) << "2 ms late";
+  EXPECT_NEAR(TurnedBy(0, 0, false).TurnSigma(), 2 * 0.1, 1e-9) << "no gyroscope: as fast as a head turns";
 }
 
 /// A vertical edge of `contrast` grey levels, 4 px wide, with noise.
