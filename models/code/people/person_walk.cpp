@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/units.h"
+#include "models/code/people/person_steps.h"
 
 namespace gaitcam {
 namespace {
@@ -12,13 +14,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Step length over cadence of people who walk as they like: 0.0065 m per (step/min), at any speed (Sekiya et al., "The
-/// invariant relationship between step length and step rate during free walking", 1996).
-constexpr double kWalkRatio = 0.0065 * 60;
-constexpr double kUsualHeight = 1.75;
-constexpr double kPause = 0.45;     // s between a stretch and a turn
-constexpr double kTurnStep = 0.45;  // s per step while turning on the spot
-constexpr double kTurnMost = 50 * kRadPerDeg;
+constexpr double kPause = 0.45;               // s between a stretch and a turn
+constexpr double kTurnStep = 0.45;            // s per step while turning on the spot
 constexpr double kMaxBend = 60 * kRadPerDeg;  // largest bend of the path that is walked without stopping
 constexpr double kHeelOff = 0.45;             // of a step: the heel rises this long before lift-off
 constexpr double kLoading = 0.25;             // of a step: duration of rolling from heel to flat
@@ -124,16 +121,37 @@ PersonWalk::PersonWalk(const PersonOptions& options) : options_(options), body_(
   if (options.path.size() > 1) yaw = Heading(options.path[1] - options.path[0]);
   first_.fill({options.path[0], yaw});
   last_ = first_;
+  if (options.course) {
+    FollowCourse();
+    return;
+  }
   AddHips(0, true);
   if (options.speed_m_s == 0) return;
   GAITCAM_ASSERT(options.path.size() > 1);
-  step_length_ = std::sqrt(kWalkRatio * options.speed_m_s) * options.height_m / kUsualHeight;
+  step_length_ = StepLength(options.speed_m_s, options.height_m);
   PlanSteps();
+}
+
+/// Of a crowd's simulation.
+void PersonWalk::FollowCourse() {
+  const PersonCourse& course = *options_.course;
+  GAITCAM_ASSERT(!course.poses.empty());
+  first_.fill({course.poses[0].head<2>(), course.poses[0].z()});
+  last_ = first_;
+  options_.repeat = false;
+  AddHips(0, true);
+  for (const PersonStep& step : StepsAlong(course, options_.height_m)) {
+    if (step.side < 0) {
+      AddPause(step.duration_s);
+    } else {
+      AddStep(step.side, step.to, step.duration_s);
+    }
+  }
 }
 
 void PersonWalk::PlanSteps() {
   std::vector<Vector2d> path = options_.path;
-  AddPause();
+  AddPause(PauseAfterStretch());
   for (int way = 0; way < (options_.repeat ? 2 : 1); ++way) {
     for (const std::vector<Vector2d>& stretch : Stretches(path)) {
       AddTurn(Heading(stretch[1] - stretch[0]));
@@ -144,10 +162,11 @@ void PersonWalk::PlanSteps() {
   if (options_.repeat) AddTurn(first_[0].yaw);  // as it began
 }
 
-void PersonWalk::AddPause() {
-  const double pause = std::max(kPause, 0.6 * step_length_ / options_.speed_m_s);
-  steps_.push_back({duration_s_, pause, -1, {}, {}});
-  duration_s_ += pause;
+double PersonWalk::PauseAfterStretch() const { return std::max(kPause, 0.6 * step_length_ / options_.speed_m_s); }
+
+void PersonWalk::AddPause(double duration_s) {
+  steps_.push_back({duration_s_, duration_s, -1, {}, {}});
+  duration_s_ += duration_s;
   AddHips(duration_s_, true);
 }
 
@@ -162,12 +181,12 @@ void PersonWalk::AddStep(int side, const FootSpot& to, double duration_s) {
 void PersonWalk::AddTurn(double yaw) {
   const FootSpot here = last_[0];
   const double turn = WrapAngle(yaw - here.yaw);
-  const int count = int(std::ceil(std::abs(turn) / kTurnMost - 1e-9));
+  const int count = int(std::ceil(std::abs(turn) / kMostTurnOfStep - 1e-9));
   if (count == 0 || std::abs(turn) < 1e-9) return;
   int side = turn > 0 ? 0 : 1;
   for (int i = 1; i <= count; ++i, side = 1 - side) AddStep(side, {here.spot, here.yaw + turn * i / count}, kTurnStep);
   AddStep(side, {here.spot, here.yaw + turn}, kTurnStep);
-  AddPause();
+  AddPause(PauseAfterStretch());
 }
 
 /// Equal steps from standing to standing; the last brings the feet together.
@@ -179,7 +198,7 @@ void PersonWalk::AddStretch(const std::vector<Vector2d>& points) {
   for (int i = 1; i <= count + 1; ++i, side = 1 - side) {
     AddStep(side, AlongPath(points, std::min(i, count) * length / count, last_[1 - side].yaw), duration);
   }
-  AddPause();
+  AddPause(PauseAfterStretch());
 }
 
 /// The hips are midway between the feet at mid double support.
@@ -210,25 +229,27 @@ PersonWalk::HipsKnot PersonWalk::HipsAt(double lap_s) const {
 }
 
 double PersonWalk::LapTime(double time_s) const {
-  const double walked = std::max(0.0, time_s - options_.start_s);
+  const double walked = std::max(0.0, time_s - start_s());
   if (duration_s_ == 0) return 0;
   return options_.repeat ? std::fmod(walked, duration_s_) : std::min(walked, duration_s_);
 }
 
 /// The last step of a foot that has started, or null.
 const PersonStep* PersonWalk::StepOf(int side, double lap_s) const {
-  const PersonStep* found = nullptr;
-  for (const PersonStep& step : steps_) {
-    if (step.begin_s > lap_s) break;
-    if (step.side == side) found = &step;
-  }
-  return found;
+  const auto later = FirstStepAfter(lap_s);
+  const auto last = std::find_if(std::make_reverse_iterator(later), steps_.rend(),
+                                 [side](const PersonStep& step) { return step.side == side; });
+  return last == steps_.rend() ? nullptr : &*last;
+}
+
+std::vector<PersonStep>::const_iterator PersonWalk::FirstStepAfter(double lap_s) const {
+  return std::upper_bound(steps_.begin(), steps_.end(), lap_s,
+                          [](double time, const PersonStep& step) { return time < step.begin_s; });
 }
 
 const PersonStep* PersonWalk::NextStepOf(int side, double lap_s) const {
-  const auto later = std::upper_bound(steps_.begin(), steps_.end(), lap_s,
-                                      [](double time, const PersonStep& step) { return time < step.begin_s; });
-  const auto next = std::find_if(later, steps_.end(), [side](const PersonStep& step) { return step.side == side; });
+  const auto next =
+      std::find_if(FirstStepAfter(lap_s), steps_.end(), [side](const PersonStep& step) { return step.side == side; });
   return next == steps_.end() ? nullptr : &*next;
 }
 
@@ -316,7 +337,7 @@ PersonPose PersonWalk::At(double time_s) const {
   const Vector2d forward = Turned(1, 0, yaw);
   const double right_ahead = forward.dot((feet[1].ball - feet[0].ball).head<2>());
   const Vector2d spot = knot.pose.head<2>() + 0.045 * speed * forward;
-  const double hips_yaw = yaw + 0.22 * right_ahead / body_.height * kUsualHeight;
+  const double hips_yaw = yaw + 0.22 * right_ahead / body_.height * kUsualHeight_m;
   const double height = HipsHeight(feet, {spot.x(), spot.y(), hips_yaw});
 
   PersonPose pose;
@@ -338,7 +359,7 @@ PersonPose PersonWalk::At(double time_s) const {
     at(PersonPart::kLeftThigh, side) = BoneFrame(hip, knee, ahead);
     at(PersonPart::kLeftShank, side) = BoneFrame(knee, ankle, ahead);
     // An arm swings with the opposite leg.
-    const double swing = 0.75 * left * right_ahead / body_.height * kUsualHeight;
+    const double swing = 0.75 * left * right_ahead / body_.height * kUsualHeight_m;
     const Pose X_WS(Eigen::Matrix3d(chest.R() * RotX(left * 0.1) * RotY(-swing)),
                     chest * Vector3d(0, left * body_.shoulder_half_width, body_.shoulder - body_.waist));
     at(PersonPart::kLeftUpperArm, side) = X_WS;

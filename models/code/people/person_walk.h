@@ -13,6 +13,7 @@
 
 #include "algorithms/core/pose.h"
 #include "models/code/people/people.h"
+#include "models/code/people/person_steps.h"
 
 namespace gaitcam {
 
@@ -50,19 +51,6 @@ struct PersonBody {
   explicit PersonBody(double height_m);
 };
 
-/// Where a foot stands: the spot under the hips that it belongs to.
-struct FootSpot {
-  Eigen::Vector2d spot{0, 0};
-  double yaw = 0;
-};
-
-/// One foot goes from one print to the next, or (side -1) none does for a while.
-struct PersonStep {
-  double begin_s = 0, duration_s = 0;
-  int side = 0;  ///< 0 left, 1 right.
-  FootSpot from, to;
-};
-
 class PersonWalk {
  public:
   /// Part of a step during which its foot is in the air; then both feet are on the floor.
@@ -80,7 +68,8 @@ class PersonWalk {
   /// Duration of the path, or of one lap.
   double duration_s() const { return duration_s_; }
   double step_length_m() const { return step_length_; }
-  double start_s() const { return options_.start_s; }
+  /// When the path, or the course of somebody in a crowd, begins.
+  double start_s() const { return options_.course ? options_.course->begin_s : options_.start_s; }
   /// Whether a foot is in stance: it then moves only by rolling over heel or ball.
   bool Stands(int side, double time_s) const;
 
@@ -103,12 +92,15 @@ class PersonWalk {
 
   double LapTime(double time_s) const;
   void PlanSteps();
-  void AddPause();
+  void FollowCourse();
+  void AddPause(double duration_s);
+  double PauseAfterStretch() const;
   void AddStep(int side, const FootSpot& to, double duration_s);
   void AddTurn(double yaw);
   void AddStretch(const std::vector<Eigen::Vector2d>& points);
   void AddHips(double time_s, bool still);
   HipsKnot HipsAt(double lap_s) const;
+  std::vector<PersonStep>::const_iterator FirstStepAfter(double lap_s) const;
   const PersonStep* StepOf(int side, double lap_s) const;
   const PersonStep* NextStepOf(int side, double lap_s) const;
   Foot FootAt(int side, double lap_s) const;

@@ -147,18 +147,18 @@ Parts MakeGoal(const Vector3d& size, RandomStream&) {
 
 const std::vector<FurnitureKind>& AllFurniture() {
   static const std::vector<FurnitureKind> kinds = {
-      {"bench", {0.34, 1.4, 0.44}, "wood", false, MakeBench},
-      {"bin", {0.28, 0.28, 0.35}, "", false, MakeBin},
-      {"carton", {0.4, 0.5, 0.35}, "cardboard", true, MakeCarton},
-      {"chair", {0.42, 0.42, 0.85}, "wood", false, MakeChair},
-      {"cupboard", {0.45, 0.9, 1.9}, "wood", false, MakeCupboard},
-      {"desk", {0.7, 1.4, 0.74}, "wood", false, MakeDesk},
-      {"extinguisher", {0.16, 0.16, 0.5}, "", false, MakeExtinguisher},
-      {"goal", {0.4, 0.8, 0.8}, "", false, MakeGoal},
-      {"pillar", {0.5, 0.5, 3.0}, "concrete", false, MakePillar},
-      {"radiator", {0.1, 1.2, 0.6}, "", false, MakeRadiator},
-      {"shelf", {0.3, 0.9, 1.85}, "wood", false, MakeShelf},
-      {"table", {0.7, 1.2, 0.73}, "wood", false, MakeTable},
+      {"bench", {0.34, 1.4, 0.44}, "wood", false, 1, MakeBench},
+      {"bin", {0.28, 0.28, 0.35}, "", false, 0, MakeBin},
+      {"carton", {0.4, 0.5, 0.35}, "cardboard", true, 0, MakeCarton},
+      {"chair", {0.42, 0.42, 0.85}, "wood", false, 0.53, MakeChair},
+      {"cupboard", {0.45, 0.9, 1.9}, "wood", false, 0, MakeCupboard},
+      {"desk", {0.7, 1.4, 0.74}, "wood", false, 0, MakeDesk},
+      {"extinguisher", {0.16, 0.16, 0.5}, "", false, 0, MakeExtinguisher},
+      {"goal", {0.4, 0.8, 0.8}, "", false, 0, MakeGoal},
+      {"pillar", {0.5, 0.5, 3.0}, "concrete", false, 0, MakePillar},
+      {"radiator", {0.1, 1.2, 0.6}, "", false, 0, MakeRadiator},
+      {"shelf", {0.3, 0.9, 1.85}, "wood", false, 0, MakeShelf},
+      {"table", {0.7, 1.2, 0.73}, "wood", false, 0, MakeTable},
   };
   return kinds;
 }
