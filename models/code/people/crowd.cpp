@@ -194,7 +194,7 @@ class CrowdSimulation {
     // Nobody walks off sideways: the body turns first.
     const double ahead = Vector2d(std::cos(walker.yaw), std::sin(walker.yaw)).dot(way.normalized());
     const double left = (cast_.goals[size_t(walker.goal)].spot.at - walker.at.position).norm();
-    const double pace = std::clamp(1.4 * ahead, 0.15, 1.0) * std::clamp(left / kSlowing_m, 0.25, 1.0);
+    const double pace = std::clamp(1.5 * ahead - 0.3, 0.03, 1.0) * std::clamp(left / kSlowing_m, 0.25, 1.0);
     return pace * walker.speed * way.normalized();
   }
 
@@ -202,7 +202,9 @@ class CrowdSimulation {
     Vector2d sum = DrivingForce(Wanted(walker), walker.at.velocity);
     if (walker.stays) return sum;
     const auto avoid = [&](const Passer& other, double nearer_m) {
-      if ((other.position - walker.at.position).norm() < kSeen_m) sum += AvoidingForce(walker.at, other, nearer_m);
+      const Vector2d away = walker.at.position - other.position;
+      if (away.norm() > kSeen_m) return;
+      sum += AvoidingForce(walker.at, other, nearer_m) + TouchForce(away.norm() - nearer_m, away.normalized());
     };
     for (const Walker& other : walkers_) {
       if (&other != &walker) avoid(other.at, 0);
@@ -241,7 +243,7 @@ class CrowdSimulation {
 
   void Turn(Walker& walker) const {
     double wanted = walker.yaw;
-    if (walker.stays) {
+    if (walker.stays && walker.at.velocity.norm() < kHeadingSpeed) {
       wanted = cast_.goals[size_t(walker.goal)].spot.yaw;
     } else {
       const Vector2d way =

@@ -22,6 +22,11 @@ Eigen::Vector2d DrivingForce(const Eigen::Vector2d& wanted, const Eigen::Vector2
 /// than a person.
 Eigen::Vector2d AvoidingForce(const Passer& self, const Passer& other, double nearer_m = 0);
 
+/// Acceleration of who is about to touch somebody, m/s^2. @param away unit vector from the other one. After D. Helbing,
+/// I. Farkas and T. Vicsek, "Simulating dynamical features of escape panic", Nature 407 (2000): what keeps people apart
+/// where those who pass each other in an empty corridor never come.
+Eigen::Vector2d TouchForce(double distance_m, const Eigen::Vector2d& away);
+
 /// Acceleration away from a wall or piece of furniture, m/s^2. @param gap_m between it and the body. @param away unit
 /// vector.
 Eigen::Vector2d WallForce(double gap_m, const Eigen::Vector2d& away);

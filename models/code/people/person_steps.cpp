@@ -15,10 +15,12 @@ using Eigen::Vector3d;
 /// Step length over cadence of people who walk as they like: 0.0065 m per (step/min), at any speed (Sekiya et al., "The
 /// invariant relationship between step length and step rate during free walking", 1996).
 constexpr double kWalkRatio = 0.0065 * 60;
-constexpr double kShortestStep_s = 0.42, kLongestStep_s = 0.75;  // slower walkers make shorter steps instead
-constexpr double kMoved_m = 0.09, kTurned = 15 * kRadPerDeg;     // what a standing person makes a step for
-constexpr double kPauseMore_s = 0.1;                             // until it is asked again
-constexpr double kAtEase_s = 0.4;                                // of a pause: the hips have come to rest
+constexpr double kShortestStep_s = 0.42, kLongestStep_s = 0.6;  // slower walkers make shorter steps instead
+constexpr double kSlow = 0.3, kSlowStep_s = 0.45;               // m/s: below, one turns and steps about
+constexpr double kLead_s = 0.045;                               // the hips are so much ahead of the feet's middle
+constexpr double kMoved_m = 0.09, kTurned = 15 * kRadPerDeg;    // what a standing person makes a step for
+constexpr double kPauseMore_s = 0.1;                            // until it is asked again
+constexpr double kAtEase_s = 0.4;                               // of a pause: the hips have come to rest
 constexpr double kAfter = 0.875;   // of a step: middle of the double support, where the hips are midway
 constexpr double kCrossed = 0.03;  // of the height: so far a foot may come over to the other one's side
 constexpr double kLongest = 0.55;  // of the height: from one foot to the other
@@ -31,8 +33,8 @@ Vector3d PoseAt(const PersonCourse& course, double time_s) {
 }
 
 /// Left is positive.
-double LeftOf(const FootSpot& foot, const Vector2d& p) {
-  return -std::sin(foot.yaw) * (p.x() - foot.spot.x()) + std::cos(foot.yaw) * (p.y() - foot.spot.y());
+double LeftOf(const Vector2d& spot, double yaw, const Vector2d& p) {
+  return -std::sin(yaw) * (p.x() - spot.x()) + std::cos(yaw) * (p.y() - spot.y());
 }
 
 class CourseWalker {
@@ -64,12 +66,19 @@ class CourseWalker {
   double StepDuration() const {
     constexpr double kAhead_s = 1;
     const double way = (PoseAt(course_, time_ + kAhead_s) - PoseAt(course_, time_)).head<2>().norm();
-    const double speed = std::max(0.05, way / kAhead_s);
+    const double speed = way / kAhead_s;
+    if (speed < kSlow) return kSlowStep_s;
     return std::clamp(StepLength(speed, height_) / speed, kShortestStep_s, kLongestStep_s);
   }
 
-  /// Where the body is half a step after the hips are midway between this foot and the other one.
-  Vector3d Wanted(double duration) const { return PoseAt(course_, time_ + (kAfter + 0.5) * duration); }
+  /// Where the body is half a step after the hips are midway between this foot and the other one; in bends as far
+  /// outside as the middle of two prints lies inside.
+  Vector3d Wanted(double duration) const {
+    const double middle = time_ + kAfter * duration - kLead_s;
+    const Vector3d next = PoseAt(course_, middle + duration / 2);
+    const Vector3d inside = (PoseAt(course_, middle - duration / 2) + next) / 2 - PoseAt(course_, middle);
+    return {next.x() - inside.x(), next.y() - inside.y(), next.z()};
+  }
 
   bool Wants(int side, double duration) const {
     const Vector3d wanted = Wanted(duration);
@@ -81,7 +90,7 @@ class CourseWalker {
   int NextSide(double duration) const {
     if (rests_ > 0) {
       const double turn = Wanted(duration).z() - feet_[0].yaw;
-      const double left = LeftOf(feet_[0], Wanted(duration).head<2>());
+      const double left = LeftOf(feet_[0].spot, feet_[0].yaw, Wanted(duration).head<2>());
       const int inner = std::abs(turn) > kTurned ? (turn > 0 ? 0 : 1) : left > 0 ? 0 : 1;
       return Wants(inner, duration) ? inner : Wants(1 - inner, duration) ? 1 - inner : -1;
     }
@@ -91,14 +100,14 @@ class CourseWalker {
   FootSpot Landing(int side, double duration) const {
     const Vector3d wanted = Wanted(duration);
     const FootSpot& other = feet_[size_t(1 - side)];
-    const double turn = std::clamp(wanted.z() - other.yaw, -kMostTurnOfStep, kMostTurnOfStep);
+    const double yaw = other.yaw + std::clamp(wanted.z() - other.yaw, -kMostTurnOfStep, kMostTurnOfStep);
     Vector2d spot = wanted.head<2>();
-    const double sign = side == 0 ? 1 : -1, over = sign * LeftOf(other, spot) + kCrossed * height_;
-    if (over < 0) spot -= sign * over * Vector2d(-std::sin(other.yaw), std::cos(other.yaw));
+    const double sign = side == 0 ? 1 : -1, over = sign * LeftOf(other.spot, yaw, spot) + kCrossed * height_;
+    if (over < 0) spot -= sign * over * Vector2d(-std::sin(yaw), std::cos(yaw));
     const Vector2d way = spot - other.spot;
     const double longest = kLongest * height_;
     if (way.norm() > longest) spot = other.spot + longest * way.normalized();
-    return {spot, other.yaw + turn};
+    return {spot, yaw};
   }
 
   void Step(int side, const FootSpot& to, double duration) {
