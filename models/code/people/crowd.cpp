@@ -54,6 +54,7 @@ class CrowdSimulation {
       const CastMember& member = cast_.members[i];
       RandomStream random(seed, fmt::format("crowd.person{}", i));
       people_.push_back(DrawCrowdPerson(crowd, random));
+      people_.back().manner = MannerOf(member, random);
       courses_.push_back(std::make_shared<PersonCourse>());
       courses_.back()->begin_s = kRecorded_s;
       courses_.back()->step_s = kTicksPerPose * kTick_s;
@@ -66,6 +67,15 @@ class CrowdSimulation {
       }
     }
     held_.assign(cast_.goals.size(), 0);
+  }
+
+  static PersonManner MannerOf(const CastMember& member, RandomStream& random) {
+    PersonManner manner;
+    manner.seat_m = member.seat_m;
+    manner.talks = member.role == CrowdRole::kTalks ? 1 : member.role == CrowdRole::kSits ? 0.4 : 0;
+    manner.looks = member.role == CrowdRole::kTalks ? 0.3 : 0.5;
+    manner.phase_s = random.Uniform(0, 100);
+    return manner;
   }
 
   std::vector<PersonOptions> Run() {

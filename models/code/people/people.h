@@ -21,6 +21,14 @@ struct PersonCourse {
   std::vector<Eigen::Vector3d> poses;  ///< x m, y m, yaw rad (not wrapped) of the body.
 };
 
+/// What somebody does who does not walk.
+struct PersonManner {
+  double seat_m = 0;   ///< Sits so high over the floor; 0: stands.
+  double talks = 0;    ///< How large gestures are, 0 to 1.
+  double looks = 0;    ///< How far the head turns to either side, rad.
+  double phase_s = 0;  ///< By which gestures and looks are ahead of others'.
+};
+
 /// One person, as a scene's or a scenario's list `people` says it.
 ///
 ///   people:
@@ -46,6 +54,7 @@ struct PersonOptions {
 
   /// Not in files: what a crowd's simulation makes of somebody, who then walks this instead of `path`.
   std::shared_ptr<const PersonCourse> course;
+  PersonManner manner;  ///< Likewise.
 };
 
 template <class Visitor>

@@ -17,7 +17,6 @@ using Eigen::Vector3d;
 constexpr double kWalkRatio = 0.0065 * 60;
 constexpr double kShortestStep_s = 0.42, kLongestStep_s = 0.6;  // slower walkers make shorter steps instead
 constexpr double kSlow = 0.3, kSlowStep_s = 0.45;               // m/s: below, one turns and steps about
-constexpr double kLead_s = 0.045;                               // the hips are so much ahead of the feet's middle
 constexpr double kMoved_m = 0.09, kTurned = 15 * kRadPerDeg;    // what a standing person makes a step for
 constexpr double kPauseMore_s = 0.1;                            // until it is asked again
 constexpr double kAtEase_s = 0.4;                               // of a pause: the hips have come to rest
@@ -74,7 +73,7 @@ class CourseWalker {
   /// Where the body is half a step after the hips are midway between this foot and the other one; in bends as far
   /// outside as the middle of two prints lies inside.
   Vector3d Wanted(double duration) const {
-    const double middle = time_ + kAfter * duration - kLead_s;
+    const double middle = time_ + kAfter * duration - kHipsLead_s;
     const Vector3d next = PoseAt(course_, middle + duration / 2);
     const Vector3d inside = (PoseAt(course_, middle - duration / 2) + next) / 2 - PoseAt(course_, middle);
     return {next.x() - inside.x(), next.y() - inside.y(), next.z()};

@@ -11,6 +11,7 @@
 namespace gaitcam {
 
 constexpr double kUsualHeight_m = 1.75;              ///< Of people whose steps were measured.
+constexpr double kHipsLead_s = 0.045;                ///< In walking, the hips are so much ahead of the feet's middle.
 constexpr double kMostTurnOfStep = 50 * kRadPerDeg;  ///< Of a foot against the other one, rad.
 
 /// Where a foot stands: the spot under the hips that it belongs to.

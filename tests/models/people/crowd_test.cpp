@@ -31,6 +31,8 @@ Vector2d Crossing(double time_s) { return {-8.5 + 0.5 * std::max(0.0, time_s), 0
 CrowdEntry Forty() {
   CrowdEntry crowd;
   crowd.count = 40;
+  crowd.sitting = 0.15;
+  crowd.queueing = 0.1;
   return crowd;
 }
 
@@ -40,6 +42,8 @@ const std::vector<PersonOptions>& TheCrowd() {
       SimulateCrowd(Forty(), RoomOf(Cafeteria()), Crossing, kDuration_s, 1);
   return people;
 }
+
+bool Sits(const PersonOptions& person) { return person.manner.seat_m > 0; }
 
 std::vector<PersonWalk> Walks(const std::vector<PersonOptions>& people) { return {people.begin(), people.end()}; }
 
@@ -84,6 +88,7 @@ TEST(Crowd, NobodyTouchesAnybodyOrAnythingOrTheRobot) {
     for (size_t i = 0; i < at.size(); ++i) {
       from_robot = std::min(from_robot, (at[i] - Crossing(t)).norm());
       for (size_t j = 0; j < i; ++j) apart = std::min(apart, (at[i] - at[j]).norm());
+      if (Sits(TheCrowd()[i])) continue;  // on a chair, which is a thing
       for (const FloorPolygon& thing : room.obstacles) {
         from_things = std::min(from_things, SignedDistance(thing, at[i]));
       }
@@ -92,8 +97,8 @@ TEST(Crowd, NobodyTouchesAnybodyOrAnythingOrTheRobot) {
   RecordProperty("smallest_distance_m", std::to_string(apart));
   std::cout << "middle to middle " << apart << " m, to things " << from_things << " m, to the robot " << from_robot
             << " m\n";
-  // The simulation keeps 0.6, 0.28 and 0.7 m; footsteps cut corners by a few centimetres. A person is 0.24 m deep and,
-  // with the arms, 0.5 m wide.
+  // The simulation keeps 0.6, 0.32 and 0.7 m; footsteps cut corners by a few centimetres. A person is 0.24 m deep and,
+  // with the arms, 0.5 m wide. Those who sit do so 0.55 m apart.
   EXPECT_GT(apart, 0.5);
   EXPECT_GT(from_things, 0.2);
   EXPECT_GT(from_robot, 0.6);
@@ -115,7 +120,7 @@ TEST(Crowd, WalkersGoFromGoalToGoalAboutAsFastAsPeopleLikeTo) {
       ++moments;
     }
   }
-  EXPECT_EQ(walkers, 28);  // the default shares leave 0.7 of them
+  EXPECT_EQ(walkers, 18);  // 0.1 stand, 0.2 talk, 0.15 sit and 0.1 queue
   std::cout << "mean of speed over preferred speed " << sum / moments << " in " << moments << " moments\n";
   EXPECT_GT(sum / moments, 0.7);
   EXPECT_LT(sum / moments, 1.1);
@@ -176,6 +181,60 @@ TEST(Crowd, TheRobotIsWalkedRound) {
   EXPECT_LT(nearest, 0.3);
 }
 
+TEST(Crowd, ThoseWhoSitAreOnSeatsWithTheirFeetOnTheFloor) {
+  int sitting = 0;
+  for (const PersonOptions& person : TheCrowd()) {
+    if (!Sits(person)) continue;
+    ++sitting;
+    const PersonWalk walk(person);
+    const PersonPose pose = walk.At(3);
+    const Pose& hips = pose[size_t(PersonPart::kHips)];
+    const auto on_it = [&](const CrowdSpot& spot) {
+      return spot.seat_m > 0 && (spot.at - hips.translation.head<2>()).norm() < 1e-9;
+    };
+    const auto& spots = Cafeteria().spots;
+    const auto seat = std::find_if(spots.begin(), spots.end(), on_it);
+    ASSERT_NE(seat, spots.end());
+    EXPECT_NEAR(WrapAngle(hips.Yaw() - seat->yaw), 0, 1e-9);
+    EXPECT_GT(hips.translation.z(), seat->seat_m);
+    EXPECT_LT(hips.translation.z(), seat->seat_m + 0.12);
+    for (int side = 0; side < 2; ++side) {
+      EXPECT_NEAR(pose[size_t(PersonPart::kLeftShoe) + size_t(side)].translation.z(), 0, 1e-9);
+      const Pose& shank = pose[size_t(PersonPart::kLeftShank) + size_t(side)];
+      EXPECT_GT(shank.translation.z(), seat->seat_m);  // the knees
+      EXPECT_LT(shank.translation.z(), seat->seat_m + 0.25);
+    }
+    // Alive: head or hands move, hips and feet do not.
+    const PersonPose later = walk.At(4);
+    EXPECT_GT(RotationAngle(pose[size_t(PersonPart::kHead)].rotation, later[size_t(PersonPart::kHead)].rotation), 0.01);
+    EXPECT_EQ(later[size_t(PersonPart::kHips)].translation, hips.translation);
+  }
+  EXPECT_EQ(sitting, 6);
+}
+
+TEST(Crowd, AQueueIsALineAndAGroupLooksAtItsMiddle) {
+  // Who stays has one pose; in the order of roles: one who stands by himself, those who talk, who sit, who queue.
+  std::vector<Eigen::Vector3d> still;
+  for (const PersonOptions& person : TheCrowd()) {
+    if (person.course->poses.size() == 1 && !Sits(person)) still.push_back(person.course->poses[0]);
+  }
+  ASSERT_EQ(still.size(), 4u + 8u + 4u);
+  for (size_t i = 13; i < 16; ++i) {
+    const Vector2d step = (still[i] - still[i - 1]).head<2>();
+    EXPECT_NEAR(step.norm(), 0.75, 1e-9);
+    EXPECT_NEAR(WrapAngle(std::atan2(-step.y(), -step.x()) - still[i].z()), 0, 1e-9);  // to the one before
+  }
+  for (size_t i = 4; i < 12; ++i) {  // whoever talks has somebody ahead, within arm's length or two
+    double nearest = 100;
+    for (size_t j = 4; j < 12; ++j) {
+      const Vector2d to = (still[j] - still[i]).head<2>();
+      const double aside = WrapAngle(std::atan2(to.y(), to.x()) - still[i].z());
+      if (j != i && std::abs(aside) < 50 * M_PI / 180) nearest = std::min(nearest, to.norm());
+    }
+    EXPECT_LT(nearest, 1.3) << i;
+  }
+}
+
 /// An empty floor of 4 x 3 m with a table in its middle.
 std::string CrowdError(const std::string& crowd, bool simulates = true) {
   const TemporaryFolder folder;
@@ -199,7 +258,8 @@ TEST(Crowd, OneThatDoesNotFitIsRefused) {
   EXPECT_THAT(CrowdError("{count: 40}"), HasSubstr("expected a smaller count"));
   EXPECT_THAT(CrowdError("{count: 2, goals: [[1.5, 1], [0, 0]]}"), HasSubstr("goals: [0, 0] cannot be reached"));
   EXPECT_THAT(CrowdError("{count: 2, goals: [[9, 0]]}"), HasSubstr("off the floor"));
-  EXPECT_THAT(CrowdError("{count: 2, sitting: 1}"), HasSubstr("sitting: 2 people"));
+  EXPECT_THAT(CrowdError("{count: 2, sitting: 0.5}"), HasSubstr("sitting: 1 people want to sit"));
+  EXPECT_THAT(CrowdError("{count: 20, standing: 0, queueing: 0.4}"), HasSubstr("a queue of 8"));
 }
 
 TEST(Crowd, BadInputIsNamed) {
