@@ -58,9 +58,13 @@ class CrowdSimulation {
       courses_.push_back(std::make_shared<PersonCourse>());
       courses_.back()->begin_s = kRecorded_s;
       courses_.back()->step_s = kTicksPerPose * kTick_s;
-      if (member.role == CrowdRole::kWalks) {
+      if (member.role == CrowdRole::kWalks || member.leave_s > 0) {
         walkers_.push_back({i, {member.at, {0, 0}}, member.yaw, people_.back().speed_m_s, random});
-        walkers_.back().noticed_s = kScatter_s;
+        Walker& walker = walkers_.back();
+        walker.stays = member.leave_s > 0;
+        walker.until_s = member.leave_s;
+        walker.noticed_s = std::max(kScatter_s, walker.until_s);
+        walker.noticed = member.at;
       } else {
         standing_.push_back({member.at, {0, 0}});
         courses_.back()->poses.emplace_back(member.at.x(), member.at.y(), member.yaw);
@@ -253,6 +257,7 @@ class CrowdSimulation {
 
   void Turn(Walker& walker) const {
     double wanted = walker.yaw;
+    if (walker.goal < 0) return;  // has not left yet
     if (walker.stays && walker.at.velocity.norm() < kHeadingSpeed) {
       wanted = cast_.goals[size_t(walker.goal)].spot.yaw;
     } else {

@@ -63,7 +63,9 @@ class Usher {
     for (int i = 0; i < stand; ++i) Stand();
     map_.FindWays();
     const int walkers = crowd_.count - int(cast_.members.size());
-    if (walkers > 0) FindGoals(walkers);
+    const auto walks_off = [](const CastMember& member) { return member.leave_s > 0; };
+    const int leavers = int(std::count_if(cast_.members.begin(), cast_.members.end(), walks_off));
+    if (walkers + leavers > 0) FindGoals(walkers + leavers);
     for (int i = 0; i < walkers; ++i) Walk();
     std::stable_sort(cast_.members.begin(), cast_.members.end(),
                      [](const CastMember& a, const CastMember& b) { return a.role < b.role; });
@@ -85,8 +87,23 @@ class Usher {
     return {x, random_.Uniform(room_.min.y(), room_.max.y())};
   }
 
+  /// Who walks off some time is no part of the map.
+  void StayAWhile(CrowdRole role, const Vector2d& at, double yaw, double leave_s) {
+    if (leave_s == 0) {
+      Stay(role, at, yaw);
+      return;
+    }
+    cast_.members.push_back({role, at, yaw, 0, leave_s});
+    taken_.push_back(at);
+  }
+
+  double DrawLeaving() {
+    const Vector2d& range = crowd_.leave_s;
+    return range.y() > 0 ? std::max(0.1, random_.Uniform(range.x(), range.y())) : 0;
+  }
+
   void Stay(CrowdRole role, const Vector2d& at, double yaw, double seat_m = 0) {
-    cast_.members.push_back({role, at, yaw, seat_m});
+    cast_.members.push_back({role, at, yaw, seat_m, 0});
     taken_.push_back(at);
     map_.AddDisc(at, kStanding_m);
     if (seat_m > 0) map_.AddDisc(at + kKnees_m * Unit(yaw), kStanding_m);
@@ -160,7 +177,10 @@ class Usher {
         free = HasRoom(at, kApart_m) && OffCourse(at);
       }
       if (!free) continue;
-      for (int i = 0; i < size; ++i) Stay(CrowdRole::kTalks, middle - radius * Unit(yaw(i)), WrapAngle(yaw(i)));
+      const double leave_s = DrawLeaving();
+      for (int i = 0; i < size; ++i) {
+        StayAWhile(CrowdRole::kTalks, middle - radius * Unit(yaw(i)), WrapAngle(yaw(i)), leave_s);
+      }
       return size;
     }
     NoRoom(fmt::format("a group of {}", size));
@@ -170,7 +190,8 @@ class Usher {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const Vector2d at = DrawPlace();
       if (!HasRoom(at, kApart_m) || !OffCourse(at)) continue;
-      Stay(CrowdRole::kStands, at, random_.Uniform(-pi, pi));
+      const double yaw = random_.Uniform(-pi, pi);
+      StayAWhile(CrowdRole::kStands, at, yaw, DrawLeaving());
       return;
     }
     NoRoom("one who stands");
@@ -180,7 +201,7 @@ class Usher {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const Vector2d at = DrawPlace();
       if (!HasRoom(at, kApart_m) || Nearest(begin_, at) < crowd_.keep_off_m + kBesideCourse_m) continue;
-      cast_.members.push_back({CrowdRole::kWalks, at, random_.Uniform(-pi, pi), 0});
+      cast_.members.push_back({CrowdRole::kWalks, at, random_.Uniform(-pi, pi), 0, 0});
       taken_.push_back(at);
       return;
     }

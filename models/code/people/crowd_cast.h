@@ -37,6 +37,7 @@ struct CastMember {
   Eigen::Vector2d at{0, 0};
   double yaw = 0;  ///< rad
   double seat_m = 0;
+  double leave_s = 0;  ///< When somebody who stands or talks walks off; 0: never.
 };
 
 /// A place where walkers go.

@@ -26,6 +26,7 @@ struct CrowdEntry {
   double speed_m_s = 1.29;
   double speed_sigma_m_s = 0.19;
   Eigen::Vector2d stay_s{2, 10};
+  Eigen::Vector2d leave_s{0, 0};
   std::vector<Eigen::Vector2d> goals;
   double keep_off_m = 0.7;
   Eigen::Vector2d height_m{1.5, 1.95};
@@ -43,6 +44,8 @@ void VisitFields(Visitor& visit, CrowdEntry& o) {
         "mean of the speeds that walkers prefer (1.29: Moussaid et al., 2009)");
   visit("speed_sigma_m_s", o.speed_sigma_m_s, Between(0, 0.4), "their standard deviation");
   visit("stay_s", o.stay_s, Nested(), "shortest and longest stay at a goal before a walker goes on to the next");
+  visit("leave_s", o.leave_s, Nested(),
+        "when those who stand or talk walk off, each group together: first and last; [0, 0]: never");
   visit("goals", o.goals, Nested(),
         "where walkers go, [[x m, y m], ...]; absent: random free places, and places before posters and furniture");
   visit("keep_off_m", o.keep_off_m, Between(0.3, 3),

@@ -69,7 +69,8 @@ TEST(Crowd, TheSameSeedGivesTheSamePeopleAndAnotherGivesOthers) {
     EXPECT_EQ(again[i].course->poses, TheCrowd()[i].course->poses);
     EXPECT_EQ(again[i].top_rgb, TheCrowd()[i].top_rgb);
     EXPECT_EQ(again[i].height_m, TheCrowd()[i].height_m);
-    same += other[i].course->poses[0] == again[i].course->poses[0] || other[i].top_rgb == again[i].top_rgb;
+    same += other[i].top_rgb == again[i].top_rgb;
+    if (!Sits(again[i])) same += other[i].course->poses[0] == again[i].course->poses[0];  // seats are few
   }
   EXPECT_EQ(same, 0);
   // A crowd with a seed of its own does not ask for the run's.
@@ -150,14 +151,16 @@ TEST(Crowd, FeetThatCarryDoNotSlide) {
 
 TEST(Crowd, LegsReachTheirFeetAndBodiesDoNotJump) {
   for (size_t i = 0; i < TheCrowd().size(); i += 3) {
-    const PersonWalk walk(TheCrowd()[i]);
+    const PersonOptions& person = TheCrowd()[i];
+    const PersonWalk walk(person);
     const PersonBody& body = walk.body();
     PersonPose before = walk.At(0);
     for (double t = 0.01; t < kDuration_s; t += 0.01) {
       const PersonPose pose = walk.At(t);
       for (int part = 0; part < kPersonParts; ++part) {
-        // A swinging foot is about three times as fast as its owner, who walks at 2.3 m/s at most.
-        EXPECT_LT((pose[size_t(part)].translation - before[size_t(part)].translation).norm(), 0.01 * 8)
+        // As for people on paths of their own; in haste, 1.3 times as fast as they like to be.
+        EXPECT_LT((pose[size_t(part)].translation - before[size_t(part)].translation).norm(),
+                  0.01 * 5 * 1.3 * person.speed_m_s)
             << i << " part " << part << " at " << t;
       }
       for (int side = 0; side < 2; ++side) {
@@ -201,7 +204,7 @@ TEST(Crowd, ThoseWhoSitAreOnSeatsWithTheirFeetOnTheFloor) {
     for (int side = 0; side < 2; ++side) {
       EXPECT_NEAR(pose[size_t(PersonPart::kLeftShoe) + size_t(side)].translation.z(), 0, 1e-9);
       const Pose& shank = pose[size_t(PersonPart::kLeftShank) + size_t(side)];
-      EXPECT_GT(shank.translation.z(), seat->seat_m);  // the knees
+      EXPECT_GT(shank.translation.z(), seat->seat_m - 0.05);  // the knees; short legs reach the floor all the same
       EXPECT_LT(shank.translation.z(), seat->seat_m + 0.25);
     }
     // Alive: head or hands move, hips and feet do not.
@@ -233,6 +236,23 @@ TEST(Crowd, AQueueIsALineAndAGroupLooksAtItsMiddle) {
     }
     EXPECT_LT(nearest, 1.3) << i;
   }
+}
+
+TEST(Crowd, ThoseWhoStandWalkOffWhenTold) {
+  CrowdEntry crowd;
+  crowd.count = 20;
+  crowd.standing = 0.5;
+  crowd.talking = 0.5;
+  crowd.leave_s = {8, 12};
+  const auto people = SimulateCrowd(crowd, RoomOf(Cafeteria()), Crossing, kDuration_s, 3);
+  int moved = 0;
+  for (const PersonOptions& person : people) {
+    const PersonWalk walk(person);
+    // Until then they stand; feet shuffle at most.
+    EXPECT_LT((HipsAt(walk, 7) - HipsAt(walk, 0)).norm(), 0.1);
+    moved += (HipsAt(walk, 20) - HipsAt(walk, 7)).norm() > 1;
+  }
+  EXPECT_EQ(moved, 20);
 }
 
 /// An empty floor of 4 x 3 m with a table in its middle.
