@@ -381,7 +381,12 @@ void SceneBuilder::AddFurniture(const FurnitureEntry& piece, const OptionValue& 
   }
   if (piece.base_m > 0) return;
   if (kind->seat > 0) {
-    scene_.spots.push_back({piece.at, Radians(piece.yaw_deg), kind->seat * size.z()});
+    constexpr double kElbows_m = 0.6;  // of a bench, for each who sits on it
+    const int seats = std::max(1, int(size.y() / kElbows_m));
+    for (int i = 0; i < seats; ++i) {
+      const Vector3d seat = X_WF * Vector3d(0, ((i + 0.5) / seats - 0.5) * size.y(), 0);
+      scene_.spots.push_back({seat.head<2>(), Radians(piece.yaw_deg), kind->seat * size.z()});
+    }
   } else {
     AddSpotBefore(piece.at, Radians(piece.yaw_deg), size.x() / 2);
   }
