@@ -266,7 +266,8 @@ void VisitFields(Visitor& visit, SceneFile& o) {
   visit("background_rgb", o.background_rgb, Nested(), "beyond everything");
   visit("start", o.start, Nested(), "x, y in m, yaw in degrees");
   visit("people", o.people, Nested(), "who walks or stands there");
-  visit("crowd", o.crowd, Nested(), "how many more walk there to goals of their own, stand and talk; none unless given");
+  visit("crowd", o.crowd, Nested(),
+        "how many more walk there to goals of their own, stand and talk; none unless given");
 }
 
 }  // namespace gaitcam
