@@ -15,7 +15,7 @@ namespace gaitcam {
 
 /// Between the middles of two walkers, and from a walker's middle to walls and furniture, m: what the simulation keeps.
 /// The body follows it in footsteps, a few centimetres beside.
-inline constexpr double kCrowdApart_m = 0.6, kCrowdFromWalls_m = 0.32;
+inline constexpr double kCrowdApart_m = 0.66, kCrowdFromWalls_m = 0.35;
 
 /// The people of a crowd, with their courses from two seconds before the run to its end, where they come to stand.
 /// The same arguments give the same people. Those who stand, sit, talk or queue stay where they are.

@@ -17,7 +17,7 @@ double SignedDistance(const FloorPolygon& polygon, const Eigen::Vector2d& p);
 class FloorMap {
  public:
   static constexpr double kFar_m = 1.5;        ///< Greater clearances are as good as this.
-  static constexpr double kPassable_m = 0.34;  ///< Ways keep so far from everything.
+  static constexpr double kPassable_m = 0.37;  ///< Ways keep so far from everything.
 
   FloorMap(const Eigen::Vector2d& min, const Eigen::Vector2d& max, const std::vector<FloorPolygon>& obstacles);
 
@@ -61,7 +61,7 @@ class FloorMap {
   }
 
  private:
-  static constexpr double kWalked_m = 0.31;  ///< Straight lines may come a little nearer than ways do.
+  static constexpr double kWalked_m = 0.34;  ///< Straight lines may come a little nearer than ways do.
 
   int Node(int x, int y) const { return y * width_ + x; }
   Eigen::Vector2d Place(int node) const {

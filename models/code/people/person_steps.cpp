@@ -16,12 +16,13 @@ using Eigen::Vector3d;
 /// invariant relationship between step length and step rate during free walking", 1996).
 constexpr double kWalkRatio = 0.0065 * 60;
 constexpr double kShortestStep_s = 0.42, kLongestStep_s = 0.6;  // slower walkers make shorter steps instead
-constexpr double kSlow = 0.3, kSlowStep_s = 0.45;               // m/s: below, one turns and steps about
-constexpr double kMoved_m = 0.09, kTurned = 15 * kRadPerDeg;    // what a standing person makes a step for
-constexpr double kPauseMore_s = 0.1;                            // until it is asked again
-constexpr double kAtEase_s = 0.4;                               // of a pause: the hips have come to rest
+constexpr double kSlow = 0.3, kTurns = 1,
+                 kSlowStep_s = 0.42;  // m/s and rad/s: slower, or turning faster, one makes quick steps
+constexpr double kMoved_m = 0.09, kTurned = 15 * kRadPerDeg;  // what a standing person makes a step for
+constexpr double kPauseMore_s = 0.1;                          // until it is asked again
+constexpr double kAtEase_s = 0.4;                             // of a pause: the hips have come to rest
 constexpr double kAfter = 0.875;   // of a step: middle of the double support, where the hips are midway
-constexpr double kCrossed = 0.03;  // of the height: so far a foot may come over to the other one's side
+constexpr double kCrossed = 0.05;  // of the height: so far a foot may come over to the other one's side
 constexpr double kLongest = 0.55;  // of the height: from one foot to the other
 
 /// Where the course is at `time_s` from its begin.
@@ -64,9 +65,9 @@ class CourseWalker {
   /// From the speed of the course over the next second.
   double StepDuration() const {
     constexpr double kAhead_s = 1;
-    const double way = (PoseAt(course_, time_ + kAhead_s) - PoseAt(course_, time_)).head<2>().norm();
-    const double speed = way / kAhead_s;
-    if (speed < kSlow) return kSlowStep_s;
+    const Vector3d way = PoseAt(course_, time_ + kAhead_s) - PoseAt(course_, time_);
+    const double speed = way.head<2>().norm() / kAhead_s;
+    if (speed < kSlow || std::abs(way.z()) > kTurns) return kSlowStep_s;
     return std::clamp(StepLength(speed, height_) / speed, kShortestStep_s, kLongestStep_s);
   }
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 
 #include "models/code/people/person_walk.h"
 #include "models/code/scenes/scene_crowd.h"
@@ -95,11 +94,12 @@ TEST(Crowd, NobodyTouchesAnybodyOrAnythingOrTheRobot) {
       }
     }
   }
-  RecordProperty("smallest_distance_m", std::to_string(apart));
-  std::cout << "middle to middle " << apart << " m, to things " << from_things << " m, to the robot " << from_robot
-            << " m\n";
-  // The simulation keeps 0.6, 0.32 and 0.7 m; footsteps cut corners by a few centimetres. A person is 0.24 m deep and,
-  // with the arms, 0.5 m wide. Those who sit do so 0.55 m apart.
+  RecordProperty("apart_m", std::to_string(apart));
+  RecordProperty("from_things_m", std::to_string(from_things));
+  RecordProperty("from_robot_m", std::to_string(from_robot));
+  // The simulation keeps 0.66, 0.35 and 0.7 m; footsteps cut corners. Over 20 seeds the least were 0.58, 0.28 and 0.67
+  // m, with 70 people 0.55, 0.25 and 0.65 m. A person is 0.24 m deep and, with the arms, 0.5 m wide. Those who sit do
+  // so 0.55 m apart.
   EXPECT_GT(apart, 0.5);
   EXPECT_GT(from_things, 0.2);
   EXPECT_GT(from_robot, 0.6);
@@ -121,8 +121,8 @@ TEST(Crowd, WalkersGoFromGoalToGoalAboutAsFastAsPeopleLikeTo) {
       ++moments;
     }
   }
-  EXPECT_EQ(walkers, 18);  // 0.1 stand, 0.2 talk, 0.15 sit and 0.1 queue
-  std::cout << "mean of speed over preferred speed " << sum / moments << " in " << moments << " moments\n";
+  EXPECT_EQ(walkers, 18);                                        // 0.1 stand, 0.2 talk, 0.15 sit and 0.1 queue
+  RecordProperty("speed_ratio", std::to_string(sum / moments));  // 0.83 when measured: they turn and give way
   EXPECT_GT(sum / moments, 0.7);
   EXPECT_LT(sum / moments, 1.1);
 }
