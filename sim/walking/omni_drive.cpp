@@ -190,6 +190,9 @@ class OmniDrive : public Controller {
 
   double duration_s() const { return moving_s_ + 2 * path_options_.settle_s; }
 
+  /// On its path, if it was never commanded.
+  PlanarPose PlannedAt(double time_s) const { return At(time_s).pose; }
+
  private:
   /// 1 on its way, 0 while halted, a raised cosine between.
   double Speed() const { return 0.5 - 0.5 * std::cos(pi * pace_); }
@@ -304,6 +307,12 @@ class OmniDrive : public Controller {
 
 double EstimateDrivingTime(const OmniDriveOptions& options, const PathOptions& path) {
   return OmniDrive(Robot{}, options, path, Pose()).duration_s();
+}
+
+std::function<PlanarPose(double)> PlanDriving(const OmniDriveOptions& options, const PathOptions& path,
+                                              const Pose& start) {
+  const auto drive = std::make_shared<const OmniDrive>(Robot{}, options, path, start);
+  return [drive](double time_s) { return drive->PlannedAt(time_s); };
 }
 
 std::unique_ptr<Controller> MakeOmniDrive(const Robot& robot, const OmniDriveOptions& options, const PathOptions& path,

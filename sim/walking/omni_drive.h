@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -41,6 +42,11 @@ void VisitFields(Visitor& visit, OmniDriveOptions& o) {
 
 /// Time to drive the path, standing still before and after included, s.
 double EstimateDrivingTime(const OmniDriveOptions& options, const PathOptions& path);
+
+/// Where the base is along its path at a time of the run, s, if it is never commanded. @throws BadOption for a field
+/// out of range.
+std::function<PlanarPose(double time_s)> PlanDriving(const OmniDriveOptions& options, const PathOptions& path,
+                                                     const Pose& start);
 
 /// A controller that starts at `start` (x, y and yaw count). Its targets are the joints of the robot, then x, y, yaw,
 /// pitch and roll of the base, as World::SetTargets expects them.

@@ -1,18 +1,33 @@
 /// People in a scene: who they are, where they walk and how they look.
 ///
-/// A person is a moving visual only: without contact or mass, and without collision avoidance. People and the robot
-/// pass through each other.
+/// A person is a moving visual only, without contact or mass. Who walks a path of his own avoids nobody; people of a
+/// crowd (crowd.h) avoid each other, what stands about and the robot's planned course.
 
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "algorithms/core/option_reader.h"
 
 namespace gaitcam {
+
+/// Where somebody is to be over time. Stands at the first pose before it begins, and at the last one after its end.
+struct PersonCourse {
+  double begin_s = 0, step_s = 0.1;    ///< Time of the first pose; from one to the next.
+  std::vector<Eigen::Vector3d> poses;  ///< x m, y m, yaw rad (not wrapped) of the body.
+};
+
+/// What somebody does who does not walk.
+struct PersonManner {
+  double seat_m = 0;   ///< Sits so high over the floor; 0: stands.
+  double talks = 0;    ///< How large gestures are, 0 to 1.
+  double looks = 0;    ///< How far the head turns to either side, rad.
+  double phase_s = 0;  ///< By which gestures and looks are ahead of others'.
+};
 
 /// One person, as a scene's or a scenario's list `people` says it.
 ///
@@ -28,6 +43,7 @@ struct PersonOptions {
   double start_s = 0;
   double facing_deg = 0;
   double height_m = 1.75;
+  double girth = 1;
   Eigen::Vector3d trousers_rgb{0.2, 0.24, 0.36};
   Eigen::Vector3d top_rgb{0.62, 0.2, 0.17};
   Eigen::Vector3d shoes_rgb{0.13, 0.12, 0.12};
@@ -35,6 +51,10 @@ struct PersonOptions {
   Eigen::Vector3d skin_rgb{0.8, 0.6, 0.48};
   Eigen::Vector3d hair_rgb{0.22, 0.15, 0.1};
   uint64_t seed = 0;
+
+  /// Not in files: what a crowd's simulation makes of somebody, who then walks this instead of `path`.
+  std::shared_ptr<const PersonCourse> course;
+  PersonManner manner;  ///< Likewise.
 };
 
 template <class Visitor>
@@ -47,6 +67,7 @@ void VisitFields(Visitor& visit, PersonOptions& o) {
   visit("start_s", o.start_s, Between(0, 36000), "stands at the first corner until then");
   visit("facing_deg", o.facing_deg, AnyNumber(), "where somebody looks whose path has one point only; 0 is +x");
   visit("height_m", o.height_m, Between(0.8, 2.2), "from the floor to the top of the head");
+  visit("girth", o.girth, Between(0.8, 1.3), "how thick trunk and limbs are, as a factor");
   visit("trousers_rgb", o.trousers_rgb, Nested(), "display values 0..1");
   visit("top_rgb", o.top_rgb, Nested(), "display values 0..1");
   visit("shoes_rgb", o.shoes_rgb, Nested(), "display values 0..1");

@@ -64,9 +64,12 @@ SolidCore CoreOf(const std::vector<Ring>& rings) {
 class Tailor {
  public:
   Tailor(const PersonOptions& person, const Vector2d& cloth_size_m)
-      : cloth_size_(cloth_size_m), random_(person.seed, "person.cloth") {}
+      : cloth_size_(cloth_size_m), girth_(person.girth), random_(person.seed, "person.cloth") {}
 
-  void Add(PersonPart part, const Vector3d& rgb, bool cloth, const std::vector<Ring>& rings) {
+  void Add(PersonPart part, const Vector3d& rgb, bool cloth, std::vector<Ring> rings) {
+    if (Thickens(part)) {
+      for (Ring& ring : rings) ring.a *= girth_, ring.b *= girth_;
+    }
     PersonSurface& surface = SurfaceOf(part, rgb, cloth);
     const Vector2d offset(random_.Uniform(), random_.Uniform());
     const int first = int(surface.vertices.size());
@@ -130,7 +133,11 @@ class Tailor {
     }
   }
 
+  /// Trunk and limbs; heads and feet are of one size.
+  static bool Thickens(PersonPart part) { return part != PersonPart::kHead && part < PersonPart::kLeftShoe; }
+
   Vector2d cloth_size_;
+  double girth_;
   RandomStream random_;
 };
 

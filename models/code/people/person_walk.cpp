@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/units.h"
+#include "models/code/people/person_steps.h"
 
 namespace gaitcam {
 namespace {
@@ -12,24 +14,13 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Step length over cadence of people who walk as they like: 0.0065 m per (step/min), at any speed (Sekiya et al., "The
-/// invariant relationship between step length and step rate during free walking", 1996).
-constexpr double kWalkRatio = 0.0065 * 60;
-constexpr double kUsualHeight = 1.75;
-constexpr double kPause = 0.45;     // s between a stretch and a turn
-constexpr double kTurnStep = 0.45;  // s per step while turning on the spot
-constexpr double kTurnMost = 50 * kRadPerDeg;
+constexpr double kPause = 0.45;               // s between a stretch and a turn
+constexpr double kTurnStep = 0.45;            // s per step while turning on the spot
 constexpr double kMaxBend = 60 * kRadPerDeg;  // largest bend of the path that is walked without stopping
 constexpr double kHeelOff = 0.45;             // of a step: the heel rises this long before lift-off
 constexpr double kLoading = 0.25;             // of a step: duration of rolling from heel to flat
 constexpr double kReach = 0.995;              // of a stretched leg
 constexpr double kToeOut = 6 * kRadPerDeg;
-
-/// From 0 to 1 along the minimum-jerk curve (Flash and Hogan, 1985); constant outside.
-double Ease(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * x * (10 + x * (6 * x - 15));
-}
 
 double Heading(const Vector2d& way) { return std::atan2(way.y(), way.x()); }
 
@@ -66,24 +57,6 @@ std::vector<std::vector<Vector2d>> Stretches(const std::vector<Vector2d>& path) 
   return stretches;
 }
 
-/// Frame of a bone that leads from `top` (its origin) down to `bottom`, with x as near to `forward` as can be.
-Pose BoneFrame(const Vector3d& top, const Vector3d& bottom, const Vector3d& forward) {
-  Eigen::Matrix3d R;
-  R.col(2) = (top - bottom).normalized();
-  R.col(0) = (forward - forward.dot(R.col(2)) * R.col(2)).normalized();
-  R.col(1) = R.col(2).cross(R.col(0));
-  return {R, top};
-}
-
-/// The joint between two links of given lengths, on the side of `forward`.
-Vector3d MiddleJoint(const Vector3d& from, const Vector3d& to, double first, double second, const Vector3d& forward) {
-  const double distance = (to - from).norm();
-  const Vector3d along = (to - from) / distance;
-  const double a = (first * first - second * second + distance * distance) / (2 * distance);
-  const double h = std::sqrt(std::max(0.0, first * first - a * a));
-  return from + a * along + h * (forward - forward.dot(along) * along).normalized();
-}
-
 double SmoothMin(double a, double b) {
   constexpr double kSoft = 0.012;  // m
   const double least = std::min(a, b);
@@ -92,48 +65,43 @@ double SmoothMin(double a, double b) {
 
 }  // namespace
 
-const std::string& PersonPartName(PersonPart part) {
-  static const std::array<std::string, kPersonParts> names = {
-      "hips",         "chest",         "head",       "left_upper_arm", "right_upper_arm",
-      "left_forearm", "right_forearm", "left_thigh", "right_thigh",    "left_shank",
-      "right_shank",  "left_shoe",     "right_shoe", "left_toes",      "right_toes"};
-  return names[size_t(part)];
-}
-
-PersonBody::PersonBody(double height_m)
-    : height(height_m),
-      thigh(0.24 * height_m),
-      shank(0.24 * height_m),
-      hip_half_width(0.05 * height_m),
-      waist(0.1 * height_m),
-      neck(0.33 * height_m),
-      shoulder(0.285 * height_m),
-      shoulder_half_width(0.118 * height_m),
-      upper_arm(0.175 * height_m),
-      forearm(0.15 * height_m),
-      ankle_height(0.052 * height_m),
-      ankle_back(0.08 * height_m),
-      heel(0.112 * height_m),
-      toes(0.052 * height_m),
-      foot_aside(0.045 * height_m),
-      foot_ahead(0.065 * height_m) {}
-
 PersonWalk::PersonWalk(const PersonOptions& options) : options_(options), body_(options.height_m) {
   GAITCAM_ASSERT(!options.path.empty());
   double yaw = options.facing_deg * kRadPerDeg;
   if (options.path.size() > 1) yaw = Heading(options.path[1] - options.path[0]);
   first_.fill({options.path[0], yaw});
   last_ = first_;
+  if (options.course) {
+    FollowCourse();
+    return;
+  }
   AddHips(0, true);
   if (options.speed_m_s == 0) return;
   GAITCAM_ASSERT(options.path.size() > 1);
-  step_length_ = std::sqrt(kWalkRatio * options.speed_m_s) * options.height_m / kUsualHeight;
+  step_length_ = StepLength(options.speed_m_s, options.height_m);
   PlanSteps();
+}
+
+/// Of a crowd's simulation.
+void PersonWalk::FollowCourse() {
+  const PersonCourse& course = *options_.course;
+  GAITCAM_ASSERT(!course.poses.empty());
+  first_.fill({course.poses[0].head<2>(), course.poses[0].z()});
+  last_ = first_;
+  options_.repeat = false;
+  AddHips(0, true);
+  for (const PersonStep& step : StepsAlong(course, options_.height_m)) {
+    if (step.side < 0) {
+      AddPause(step.duration_s);
+    } else {
+      AddStep(step.side, step.to, step.duration_s);
+    }
+  }
 }
 
 void PersonWalk::PlanSteps() {
   std::vector<Vector2d> path = options_.path;
-  AddPause();
+  AddPause(PauseAfterStretch());
   for (int way = 0; way < (options_.repeat ? 2 : 1); ++way) {
     for (const std::vector<Vector2d>& stretch : Stretches(path)) {
       AddTurn(Heading(stretch[1] - stretch[0]));
@@ -144,10 +112,11 @@ void PersonWalk::PlanSteps() {
   if (options_.repeat) AddTurn(first_[0].yaw);  // as it began
 }
 
-void PersonWalk::AddPause() {
-  const double pause = std::max(kPause, 0.6 * step_length_ / options_.speed_m_s);
-  steps_.push_back({duration_s_, pause, -1, {}, {}});
-  duration_s_ += pause;
+double PersonWalk::PauseAfterStretch() const { return std::max(kPause, 0.6 * step_length_ / options_.speed_m_s); }
+
+void PersonWalk::AddPause(double duration_s) {
+  steps_.push_back({duration_s_, duration_s, -1, {}, {}});
+  duration_s_ += duration_s;
   AddHips(duration_s_, true);
 }
 
@@ -162,12 +131,12 @@ void PersonWalk::AddStep(int side, const FootSpot& to, double duration_s) {
 void PersonWalk::AddTurn(double yaw) {
   const FootSpot here = last_[0];
   const double turn = WrapAngle(yaw - here.yaw);
-  const int count = int(std::ceil(std::abs(turn) / kTurnMost - 1e-9));
+  const int count = int(std::ceil(std::abs(turn) / kMostTurnOfStep - 1e-9));
   if (count == 0 || std::abs(turn) < 1e-9) return;
   int side = turn > 0 ? 0 : 1;
   for (int i = 1; i <= count; ++i, side = 1 - side) AddStep(side, {here.spot, here.yaw + turn * i / count}, kTurnStep);
   AddStep(side, {here.spot, here.yaw + turn}, kTurnStep);
-  AddPause();
+  AddPause(PauseAfterStretch());
 }
 
 /// Equal steps from standing to standing; the last brings the feet together.
@@ -179,7 +148,7 @@ void PersonWalk::AddStretch(const std::vector<Vector2d>& points) {
   for (int i = 1; i <= count + 1; ++i, side = 1 - side) {
     AddStep(side, AlongPath(points, std::min(i, count) * length / count, last_[1 - side].yaw), duration);
   }
-  AddPause();
+  AddPause(PauseAfterStretch());
 }
 
 /// The hips are midway between the feet at mid double support.
@@ -210,25 +179,27 @@ PersonWalk::HipsKnot PersonWalk::HipsAt(double lap_s) const {
 }
 
 double PersonWalk::LapTime(double time_s) const {
-  const double walked = std::max(0.0, time_s - options_.start_s);
+  const double walked = std::max(0.0, time_s - start_s());
   if (duration_s_ == 0) return 0;
   return options_.repeat ? std::fmod(walked, duration_s_) : std::min(walked, duration_s_);
 }
 
 /// The last step of a foot that has started, or null.
 const PersonStep* PersonWalk::StepOf(int side, double lap_s) const {
-  const PersonStep* found = nullptr;
-  for (const PersonStep& step : steps_) {
-    if (step.begin_s > lap_s) break;
-    if (step.side == side) found = &step;
-  }
-  return found;
+  const auto later = FirstStepAfter(lap_s);
+  const auto last = std::find_if(std::make_reverse_iterator(later), steps_.rend(),
+                                 [side](const PersonStep& step) { return step.side == side; });
+  return last == steps_.rend() ? nullptr : &*last;
+}
+
+std::vector<PersonStep>::const_iterator PersonWalk::FirstStepAfter(double lap_s) const {
+  return std::upper_bound(steps_.begin(), steps_.end(), lap_s,
+                          [](double time, const PersonStep& step) { return time < step.begin_s; });
 }
 
 const PersonStep* PersonWalk::NextStepOf(int side, double lap_s) const {
-  const auto later = std::upper_bound(steps_.begin(), steps_.end(), lap_s,
-                                      [](double time, const PersonStep& step) { return time < step.begin_s; });
-  const auto next = std::find_if(later, steps_.end(), [side](const PersonStep& step) { return step.side == side; });
+  const auto next =
+      std::find_if(FirstStepAfter(lap_s), steps_.end(), [side](const PersonStep& step) { return step.side == side; });
   return next == steps_.end() ? nullptr : &*next;
 }
 
@@ -250,9 +221,9 @@ double PersonWalk::Landing(const PersonStep& step) const {
 }
 
 /// A stance foot, rolled over its ball (pitch > 0) or its heel (pitch < 0).
-PersonWalk::Foot PersonWalk::Standing(int side, const FootSpot& print, double pitch) const {
+PersonFoot PersonWalk::Standing(int side, const FootSpot& print, double pitch) const {
   const double left = side == 0 ? 1 : -1;
-  Foot foot;
+  PersonFoot foot;
   foot.yaw = print.yaw + left * kToeOut;
   foot.pitch = pitch;
   foot.bend = std::max(0.0, pitch);
@@ -265,10 +236,10 @@ PersonWalk::Foot PersonWalk::Standing(int side, const FootSpot& print, double pi
 }
 
 /// From toe-off to heel strike; the clearance of the foot's lowest point follows a curve of its own.
-PersonWalk::Foot PersonWalk::Swinging(const PersonStep& step, double part) const {
+PersonFoot PersonWalk::Swinging(const PersonStep& step, double part) const {
   const double push_off = PushOff(step), landing = Landing(step), way = Ease(part);
-  const Foot from = Standing(step.side, step.from, push_off), to = Standing(step.side, step.to, -landing);
-  Foot foot;
+  const PersonFoot from = Standing(step.side, step.from, push_off), to = Standing(step.side, step.to, -landing);
+  PersonFoot foot;
   foot.ball = from.ball + way * (to.ball - from.ball);
   foot.yaw = from.yaw + way * (to.yaw - from.yaw);
   foot.pitch = push_off * (1 - Ease(part / 0.7)) - landing * Ease((part - 0.4) / 0.6);
@@ -280,7 +251,7 @@ PersonWalk::Foot PersonWalk::Swinging(const PersonStep& step, double part) const
   return foot;
 }
 
-PersonWalk::Foot PersonWalk::FootAt(int side, double lap_s) const {
+PersonFoot PersonWalk::FootAt(int side, double lap_s) const {
   const PersonStep* step = StepOf(side, lap_s);
   double pitch = 0;
   if (step) {
@@ -296,7 +267,7 @@ PersonWalk::Foot PersonWalk::FootAt(int side, double lap_s) const {
 }
 
 /// As high as the legs reach, which makes the hips rise and fall twice in a cycle.
-double PersonWalk::HipsHeight(const std::array<Foot, 2>& feet, const Vector3d& hips) const {
+double PersonWalk::HipsHeight(const std::array<PersonFoot, 2>& feet, const Vector3d& hips) const {
   const double leg = kReach * (body_.thigh + body_.shank);
   double height[2];
   for (int side = 0; side < 2; ++side) {
@@ -307,45 +278,41 @@ double PersonWalk::HipsHeight(const std::array<Foot, 2>& feet, const Vector3d& h
   return SmoothMin(height[0], height[1]);
 }
 
-PersonPose PersonWalk::At(double time_s) const {
-  const double lap = LapTime(time_s);
-  const std::array<Foot, 2> feet = {FootAt(0, lap), FootAt(1, lap)};
-  const HipsKnot knot = HipsAt(lap);
-  const double yaw = knot.pose.z(), speed = knot.rate.head<2>().norm();
+PersonStance PersonWalk::Upright(double lap_s) const {
+  PersonStance stance;
+  stance.feet = {FootAt(0, lap_s), FootAt(1, lap_s)};
+  const HipsKnot knot = HipsAt(lap_s);
+  stance.yaw = knot.pose.z();
+  stance.speed = knot.rate.head<2>().norm();
   // The hips lead the feet slightly while walking, and rotate with the leading leg.
-  const Vector2d forward = Turned(1, 0, yaw);
-  const double right_ahead = forward.dot((feet[1].ball - feet[0].ball).head<2>());
-  const Vector2d spot = knot.pose.head<2>() + 0.045 * speed * forward;
-  const double hips_yaw = yaw + 0.22 * right_ahead / body_.height * kUsualHeight;
-  const double height = HipsHeight(feet, {spot.x(), spot.y(), hips_yaw});
+  const Vector2d forward = Turned(1, 0, stance.yaw);
+  stance.right_ahead = forward.dot((stance.feet[1].ball - stance.feet[0].ball).head<2>());
+  const Vector2d spot = knot.pose.head<2>() + kHipsLead_s * stance.speed * forward;
+  stance.hips_yaw = stance.yaw + 0.22 * stance.right_ahead / body_.height * kUsualHeight_m;
+  const double height = HipsHeight(stance.feet, {spot.x(), spot.y(), stance.hips_yaw});
+  stance.hips = Pose(RotZ(stance.hips_yaw), {spot.x(), spot.y(), height});
+  return stance;
+}
 
-  PersonPose pose;
-  const auto at = [&pose](PersonPart part, int side = 0) -> Pose& { return pose[size_t(part) + size_t(side)]; };
-  const Pose hips(RotZ(hips_yaw), {spot.x(), spot.y(), height});
-  at(PersonPart::kHips) = hips;
-  const Pose chest(Eigen::Matrix3d(RotZ(2 * yaw - hips_yaw) * RotY(0.035 * speed)), hips * Vector3d(0, 0, body_.waist));
-  at(PersonPart::kChest) = chest;
-  at(PersonPart::kHead) = Pose(RotZ(yaw), chest * Vector3d(0, 0, body_.neck - body_.waist));
+/// Upright on a seat, the feet flat before it.
+PersonStance PersonWalk::Sitting() const {
+  const double thick = 0.05 * body_.height;  // from the joint of a hip down to what one sits on
+  PersonStance stance;
+  const FootSpot& seat = first_[0];
+  stance.yaw = stance.hips_yaw = seat.yaw;
   for (int side = 0; side < 2; ++side) {
+    PersonFoot& foot = stance.feet[size_t(side)];
     const double left = side == 0 ? 1 : -1;
-    at(PersonPart::kLeftShoe, side) = feet[side].Shoe();
-    at(PersonPart::kLeftToes, side) = feet[side].Toes();
-    const Vector3d hip = hips * Vector3d(0, left * body_.hip_half_width, 0);
-    const Vector3d ankle = feet[side].Shoe() * Vector3d(-body_.ankle_back, 0, body_.ankle_height);
-    const double leg_yaw = (hips_yaw + feet[side].yaw) / 2;
-    const Vector3d ahead(std::cos(leg_yaw), std::sin(leg_yaw), 0);
-    const Vector3d knee = MiddleJoint(hip, ankle, body_.thigh, body_.shank, ahead);
-    at(PersonPart::kLeftThigh, side) = BoneFrame(hip, knee, ahead);
-    at(PersonPart::kLeftShank, side) = BoneFrame(knee, ankle, ahead);
-    // An arm swings with the opposite leg.
-    const double swing = 0.75 * left * right_ahead / body_.height * kUsualHeight;
-    const Pose X_WS(Eigen::Matrix3d(chest.R() * RotX(left * 0.1) * RotY(-swing)),
-                    chest * Vector3d(0, left * body_.shoulder_half_width, body_.shoulder - body_.waist));
-    at(PersonPart::kLeftUpperArm, side) = X_WS;
-    at(PersonPart::kLeftForearm, side) = Pose(Eigen::Matrix3d(X_WS.R() * RotY(-0.25 - 0.5 * std::max(0.0, swing))),
-                                              X_WS * Vector3d(0, 0, -body_.upper_arm));
+    foot.yaw = seat.yaw + left * kToeOut;
+    foot.ball << seat.spot + Turned(0.85 * body_.thigh + body_.ankle_back, 1.6 * left * body_.foot_aside, seat.yaw), 0;
   }
-  return pose;
+  stance.hips = Pose(RotZ(seat.yaw), {seat.spot.x(), seat.spot.y(), options_.manner.seat_m + thick});
+  return stance;
+}
+
+PersonPose PersonWalk::At(double time_s) const {
+  const PersonStance stance = options_.manner.seat_m > 0 ? Sitting() : Upright(LapTime(time_s));
+  return PoseParts(body_, stance, options_.manner, time_s);
 }
 
 }  // namespace gaitcam

@@ -8,60 +8,13 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <string>
 #include <vector>
 
-#include "algorithms/core/pose.h"
 #include "models/code/people/people.h"
+#include "models/code/people/person_body.h"
+#include "models/code/people/person_steps.h"
 
 namespace gaitcam {
-
-/// The rigid parts of a person. Frames: x forward, y left, z up when standing; origins at the joint nearest the hips.
-/// A foot has two parts, `shoe` and `toes`; both have their origin on the floor under the ball of the foot.
-enum class PersonPart {
-  kHips,
-  kChest,
-  kHead,
-  kLeftUpperArm,
-  kRightUpperArm,
-  kLeftForearm,
-  kRightForearm,
-  kLeftThigh,
-  kRightThigh,
-  kLeftShank,
-  kRightShank,
-  kLeftShoe,
-  kRightShoe,
-  kLeftToes,
-  kRightToes,
-};
-constexpr int kPersonParts = 15;
-/// Name of the part's body in the model: "hips", "left_shoe", ...
-const std::string& PersonPartName(PersonPart part);
-
-using PersonPose = std::array<Pose, kPersonParts>;  ///< X_WP of each part.
-
-/// Lengths of a person's parts, m. Proportions after Drillis and Contini, "Body segment parameters" (1966).
-struct PersonBody {
-  double height, thigh, shank, hip_half_width, waist, neck, shoulder, shoulder_half_width, upper_arm, forearm;
-  double ankle_height, ankle_back;  ///< The ankle over the floor, and behind the ball of the foot.
-  double heel, toes;                ///< From the ball back to the heel, and forward to the tip.
-  double foot_aside, foot_ahead;    ///< Where the ball of a foot stands as seen from under the hips.
-  explicit PersonBody(double height_m);
-};
-
-/// Where a foot stands: the spot under the hips that it belongs to.
-struct FootSpot {
-  Eigen::Vector2d spot{0, 0};
-  double yaw = 0;
-};
-
-/// One foot goes from one print to the next, or (side -1) none does for a while.
-struct PersonStep {
-  double begin_s = 0, duration_s = 0;
-  int side = 0;  ///< 0 left, 1 right.
-  FootSpot from, to;
-};
 
 class PersonWalk {
  public:
@@ -80,20 +33,12 @@ class PersonWalk {
   /// Duration of the path, or of one lap.
   double duration_s() const { return duration_s_; }
   double step_length_m() const { return step_length_; }
-  double start_s() const { return options_.start_s; }
+  /// When the path, or the course of somebody in a crowd, begins.
+  double start_s() const { return options_.course ? options_.course->begin_s : options_.start_s; }
   /// Whether a foot is in stance: it then moves only by rolling over heel or ball.
   bool Stands(int side, double time_s) const;
 
  private:
-  struct Foot {
-    Eigen::Vector3d ball{0, 0, 0};  ///< Origin of shoe and toes.
-    double yaw = 0;
-    double pitch = 0;  ///< Of the shoe about the ball; positive: heel up.
-    double bend = 0;   ///< Of the toes against the shoe; positive: tip up.
-
-    Pose Shoe() const { return {Eigen::Matrix3d(RotZ(yaw) * RotY(pitch)), ball}; }
-    Pose Toes() const { return {Eigen::Matrix3d(RotZ(yaw) * RotY(pitch - bend)), ball}; }
-  };
   /// Where the hips are at an instant: x, y, yaw (not wrapped), and how fast that changes.
   struct HipsKnot {
     double time_s;
@@ -103,20 +48,25 @@ class PersonWalk {
 
   double LapTime(double time_s) const;
   void PlanSteps();
-  void AddPause();
+  void FollowCourse();
+  void AddPause(double duration_s);
+  double PauseAfterStretch() const;
   void AddStep(int side, const FootSpot& to, double duration_s);
   void AddTurn(double yaw);
   void AddStretch(const std::vector<Eigen::Vector2d>& points);
   void AddHips(double time_s, bool still);
   HipsKnot HipsAt(double lap_s) const;
+  std::vector<PersonStep>::const_iterator FirstStepAfter(double lap_s) const;
   const PersonStep* StepOf(int side, double lap_s) const;
   const PersonStep* NextStepOf(int side, double lap_s) const;
-  Foot FootAt(int side, double lap_s) const;
-  Foot Standing(int side, const FootSpot& print, double pitch) const;
-  Foot Swinging(const PersonStep& step, double part) const;
+  PersonFoot FootAt(int side, double lap_s) const;
+  PersonFoot Standing(int side, const FootSpot& print, double pitch) const;
+  PersonFoot Swinging(const PersonStep& step, double part) const;
   double PushOff(const PersonStep& step) const;
   double Landing(const PersonStep& step) const;
-  double HipsHeight(const std::array<Foot, 2>& feet, const Eigen::Vector3d& hips) const;
+  PersonStance Upright(double lap_s) const;
+  PersonStance Sitting() const;
+  double HipsHeight(const std::array<PersonFoot, 2>& feet, const Eigen::Vector3d& hips) const;
 
   PersonOptions options_;
   PersonBody body_;

@@ -106,6 +106,20 @@ Parts MakeBench(const Vector3d& size, RandomStream&) {
   return parts;
 }
 
+Parts MakePedestalTable(const Vector3d& size, RandomStream&) {
+  constexpr double kTop = 0.04, kColumn = 0.14;
+  return {Main({0, 0, size.z() - kTop / 2}, {size.x(), size.y(), kTop}),
+          Plain({0, 0, (size.z() - kTop) / 2}, {kColumn, kColumn, size.z() - kTop}, {0.25, 0.25, 0.27})};
+}
+
+Parts MakeStool(const Vector3d& size, RandomStream& random) {
+  constexpr double kSeat = 0.06, kColumn = 0.12;
+  const Vector3d cloth =
+      Vector3d(0.35, 0.2, 0.15) + 0.25 * Vector3d(random.Uniform(), random.Uniform(), random.Uniform());
+  return {Plain({0, 0, size.z() - kSeat / 2}, {size.x(), size.y(), kSeat}, cloth),
+          Plain({0, 0, (size.z() - kSeat) / 2}, {kColumn, kColumn, size.z() - kSeat}, {0.2, 0.2, 0.2})};
+}
+
 Parts MakeExtinguisher(const Vector3d& size, RandomStream&) {
   return {Plain({0, 0, 0.4 * size.z()}, {size.x(), size.y(), 0.8 * size.z()}, {0.75, 0.1, 0.08}),
           Plain({0, 0, 0.86 * size.z()}, {0.4 * size.x(), 0.4 * size.y(), 0.12 * size.z()}, {0.1, 0.1, 0.1}),
@@ -147,18 +161,20 @@ Parts MakeGoal(const Vector3d& size, RandomStream&) {
 
 const std::vector<FurnitureKind>& AllFurniture() {
   static const std::vector<FurnitureKind> kinds = {
-      {"bench", {0.34, 1.4, 0.44}, "wood", false, MakeBench},
-      {"bin", {0.28, 0.28, 0.35}, "", false, MakeBin},
-      {"carton", {0.4, 0.5, 0.35}, "cardboard", true, MakeCarton},
-      {"chair", {0.42, 0.42, 0.85}, "wood", false, MakeChair},
-      {"cupboard", {0.45, 0.9, 1.9}, "wood", false, MakeCupboard},
-      {"desk", {0.7, 1.4, 0.74}, "wood", false, MakeDesk},
-      {"extinguisher", {0.16, 0.16, 0.5}, "", false, MakeExtinguisher},
-      {"goal", {0.4, 0.8, 0.8}, "", false, MakeGoal},
-      {"pillar", {0.5, 0.5, 3.0}, "concrete", false, MakePillar},
-      {"radiator", {0.1, 1.2, 0.6}, "", false, MakeRadiator},
-      {"shelf", {0.3, 0.9, 1.85}, "wood", false, MakeShelf},
-      {"table", {0.7, 1.2, 0.73}, "wood", false, MakeTable},
+      {"bench", {0.34, 1.4, 0.44}, "wood", false, 1, MakeBench},
+      {"bin", {0.28, 0.28, 0.35}, "", false, 0, MakeBin},
+      {"carton", {0.4, 0.5, 0.35}, "cardboard", true, 0, MakeCarton},
+      {"chair", {0.42, 0.42, 0.85}, "wood", false, 0.53, MakeChair},
+      {"cupboard", {0.45, 0.9, 1.9}, "wood", false, 0, MakeCupboard},
+      {"desk", {0.7, 1.4, 0.74}, "wood", false, 0, MakeDesk},
+      {"extinguisher", {0.16, 0.16, 0.5}, "", false, 0, MakeExtinguisher},
+      {"goal", {0.4, 0.8, 0.8}, "", false, 0, MakeGoal},
+      {"pedestal_table", {0.8, 1.5, 0.74}, "wood", false, 0, MakePedestalTable},
+      {"pillar", {0.5, 0.5, 3.0}, "concrete", false, 0, MakePillar},
+      {"radiator", {0.1, 1.2, 0.6}, "", false, 0, MakeRadiator},
+      {"shelf", {0.3, 0.9, 1.85}, "wood", false, 0, MakeShelf},
+      {"stool", {0.36, 0.36, 0.46}, "", false, 1, MakeStool},
+      {"table", {0.7, 1.2, 0.73}, "wood", false, 0, MakeTable},
   };
   return kinds;
 }

@@ -24,6 +24,7 @@ struct FurnitureKind {
   Eigen::Vector3d size;  ///< Depth, width, height, m.
   std::string texture;   ///< Kind of its main texture.
   bool own_texture;      ///< Each piece looks different; otherwise all share one picture.
+  double seat;           ///< Where one sits on it, of its height; 0: one does not.
   std::vector<FurniturePart> (*make)(const Eigen::Vector3d& size, RandomStream& random);
 };
 

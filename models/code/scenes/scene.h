@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "algorithms/core/pose.h"
+#include "models/code/people/crowd_cast.h"
 #include "models/code/people/people.h"
 
 namespace gaitcam {
@@ -72,6 +73,8 @@ struct Scene {
   std::vector<SceneBox> boxes;                  ///< Walls, posters, furniture, table tops, lines, goals.
   std::vector<SceneLight> lights;
   std::vector<PersonOptions> people;  ///< Who walks or stands there; see AddPeople.
+  std::optional<CrowdEntry> crowd;    ///< Who walks there to goals of their own; see AddCrowd.
+  std::vector<CrowdSpot> spots;       ///< Places before posters and furniture, and seats.
   int cloth_texture = -1;             ///< Texture of their clothes; one repeat spans `cloth_size_m`.
   Eigen::Vector2d cloth_size_m{1, 1};
   double ambient = 0.4;                  ///< 0..1

@@ -76,6 +76,7 @@ class SceneBuilder {
   void ScatterPosters(const WallEntry& wall, const OptionValue& node, const std::vector<WallPiece>& pieces, int index);
   std::vector<Taken> TakenOn(const WallPiece& piece) const;
   void AddPoster(const PosterEntry& poster, const TextureOptions& options, const OptionValue& node);
+  void AddSpotBefore(const Vector2d& at, double yaw, double depth_m);
   int PartTexture(const FurnitureEntry& piece, const FurnitureKind& kind, const FurniturePart& part,
                   const OptionValue& node, int index, int number);
   void AddFurniture(const FurnitureEntry& piece, const OptionValue& node, int index);
@@ -332,6 +333,14 @@ void SceneBuilder::AddPoster(const PosterEntry& poster, const TextureOptions& wa
   const Vector3d center = poster.at + R.col(2) * poster.thickness_m / 2;
   AddBox(fmt::format("poster{}", hung_posters_++), Pose(R, center),
          {poster.size.x(), poster.size.y(), poster.thickness_m}, AddTexture(options, node), {0, 0}, {1, 1, 1}, false);
+  if (!poster.lies) AddSpotBefore(poster.at.head<2>(), yaw, 0);
+}
+
+/// Where somebody stands who looks at what faces `yaw`. @param depth_m from its middle to its front.
+void SceneBuilder::AddSpotBefore(const Vector2d& at, double yaw, double depth_m) {
+  constexpr double kBefore_m = 0.9;
+  const Vector2d front(std::cos(yaw), std::sin(yaw));
+  scene_.spots.push_back({at + (depth_m + kBefore_m) * front, WrapAngle(yaw + M_PI), 0});
 }
 
 /// @returns the texture of a part, or -1 for plain colour.
@@ -370,6 +379,17 @@ void SceneBuilder::AddFurniture(const FurnitureEntry& piece, const OptionValue& 
            repeats ? texture_keys_[texture].second : Vector2d(0, 0),
            part.texture == "main" && piece.rgb ? *piece.rgb : part.rgb);
   }
+  if (piece.base_m > 0) return;
+  if (kind->seat > 0) {
+    constexpr double kElbows_m = 0.6;  // of a bench, for each who sits on it
+    const int seats = std::max(1, int(size.y() / kElbows_m));
+    for (int i = 0; i < seats; ++i) {
+      const Vector3d seat = X_WF * Vector3d(0, ((i + 0.5) / seats - 0.5) * size.y(), 0);
+      scene_.spots.push_back({seat.head<2>(), Radians(piece.yaw_deg), kind->seat * size.z()});
+    }
+  } else {
+    AddSpotBefore(piece.at, Radians(piece.yaw_deg), size.x() / 2);
+  }
 }
 
 void SceneBuilder::AddBoxEntry(const BoxEntry& box, const OptionValue& node, int index) {
@@ -400,6 +420,7 @@ Scene SceneBuilder::Build() {
   scene_.ambient = file_.ambient;
   scene_.light = file_.light;
   scene_.start = {file_.start.x(), file_.start.y(), Radians(file_.start.z())};
+  scene_.crowd = file_.crowd;
   try {
     AddPeople(file_.people, scene_);
   } catch (const BadInput& e) {

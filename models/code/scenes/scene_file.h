@@ -14,6 +14,7 @@
 ///     - {at: [0, 2, 0.2], size: [0.4, 0.4, 0.4], texture: cardboard}
 ///   people:
 ///     - {path: [[1, -2], [1, 2]], repeat: true, speed_m_s: 1.1}
+///   crowd: {count: 20, talking: 0.3}
 ///
 /// With `base: lab` it is that scene but for the keys that it gives: maps are laid over the base's, lists and single
 /// values replace it. Pictures that it shows lie beside its own file.
@@ -151,6 +152,7 @@ struct SceneFile {
   Eigen::Vector3d background_rgb{0.55, 0.65, 0.75};
   Eigen::Vector3d start{0, 0, 0};
   std::vector<PersonOptions> people;
+  std::optional<CrowdEntry> crowd;
 };
 void ReadOption(const OptionValue& node, std::map<std::string, TextureOptions>& textures);
 
@@ -264,6 +266,8 @@ void VisitFields(Visitor& visit, SceneFile& o) {
   visit("background_rgb", o.background_rgb, Nested(), "beyond everything");
   visit("start", o.start, Nested(), "x, y in m, yaw in degrees");
   visit("people", o.people, Nested(), "who walks or stands there");
+  visit("crowd", o.crowd, Nested(),
+        "how many more walk there to goals of their own, stand and talk; none unless given");
 }
 
 }  // namespace gaitcam

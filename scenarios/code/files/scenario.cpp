@@ -8,11 +8,13 @@
 #include "algorithms/core/units.h"
 #include "algorithms/geometry/stereo_reconstruction.h"
 #include "algorithms/io/checksum.h"
+#include "models/code/scenes/scene_crowd.h"
 #include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
 #include "scenarios/code/files/folders.h"
 #include "scenarios/code/files/system_needs.h"
 #include "scenarios/code/systems/chosen_system.h"
+#include "sim/walking/planned_course.h"
 #include "sim/walking/walker.h"
 
 namespace gaitcam {
@@ -72,27 +74,53 @@ void MakeRoomForSetting(OptionValue& root, const std::string& assignment) {
   }
 }
 
+/// Whether the robot's way can be planned: shorter steps are refused elsewhere.
+bool CanPlan(const Scenario& scenario, const Robot& robot) {
+  constexpr double kStep_m = 1e-3;
+  return robot.kind == Robot::Kind::kOmniBase || scenario.gait.options.step_length_m > kStep_m;
+}
+
+double PathTime(const Scenario& scenario, const Robot& robot) {
+  return robot.kind == Robot::Kind::kOmniBase ? EstimateDrivingTime(scenario.drive, scenario.path)
+                                              : EstimateWalkingTime(scenario.gait.options, scenario.path);
+}
+
 /// How much of the path's length is walked before the time is up, at most.
 double WalkedPart(const Scenario& scenario, const Robot& robot) {
-  constexpr double kFaster = 1.1;   // than the estimate
-  constexpr double kStep_m = 1e-3;  // shorter steps are not planned: the gait is refused elsewhere
-  const bool steps = robot.kind == Robot::Kind::kOmniBase || scenario.gait.options.step_length_m > kStep_m;
-  if (scenario.duration_s <= 0 || !steps) return 1;
-  const double whole_s = robot.kind == Robot::Kind::kOmniBase
-                             ? EstimateDrivingTime(scenario.drive, scenario.path)
-                             : EstimateWalkingTime(scenario.gait.options, scenario.path);
-  return std::min(1.0, kFaster * scenario.duration_s / whole_s);
+  constexpr double kFaster = 1.1;  // than the estimate
+  if (scenario.duration_s <= 0 || !CanPlan(scenario, robot)) return 1;
+  return std::min(1.0, kFaster * scenario.duration_s / PathTime(scenario, robot));
+}
+
+/// x m, y m, yaw deg. @param start the scene's own if absent.
+Eigen::Vector3d StartIn(const Scene& scene, const std::optional<Eigen::Vector3d>& start) {
+  return start.value_or(Eigen::Vector3d(scene.start.x(), scene.start.y(), scene.start.z() * kDegPerRad));
 }
 
 /// x m, y m, yaw deg; nothing: as the scene says.
 std::optional<Eigen::Vector3d> StartOf(const ResolvedScenario& resolved) {
   const Scenario& scenario = resolved.scenario;
   if (SaysNothing(scenario.variation) || scenario.localisation) return scenario.start;
-  const Eigen::Vector3d& of_scene = resolved.scene.start;
-  const Eigen::Vector3d nominal =
-      scenario.start.value_or(Eigen::Vector3d(of_scene.x(), of_scene.y(), of_scene.z() * kDegPerRad));
-  return StartOfSeed(nominal, scenario.path, WalkedPart(scenario, resolved.robot), resolved.scene, scenario.variation,
-                     scenario.seed);
+  return StartOfSeed(StartIn(resolved.scene, scenario.start), scenario.path, WalkedPart(scenario, resolved.robot),
+                     resolved.scene, scenario.variation, scenario.seed);
+}
+
+/// The crowd of this seed, if there is one. Where places are recognised on a grid, no robot walks that it could mind.
+void AddCrowdOf(ResolvedScenario& resolved) {
+  constexpr double kLater_s = 5;  // than planned a walk may end
+  const Scenario& scenario = resolved.scenario;
+  const std::optional<CrowdEntry>& crowd = scenario.crowd ? scenario.crowd : resolved.scene.crowd;
+  if (!crowd || !CanPlan(scenario, resolved.robot)) return;
+  RobotCourse robot;
+  if (!scenario.localisation) {
+    const Eigen::Vector3d start = StartIn(resolved.scene, resolved.start);
+    const Pose X_WS(RotZ(start.z() * kRadPerDeg), {start.x(), start.y(), 0});
+    robot = [course = PlanCourse(resolved.robot, scenario.gait.options, scenario.drive, scenario.path, X_WS)](
+                double time_s) { return course(time_s).position; };
+  }
+  const double duration_s =
+      scenario.duration_s > 0 ? scenario.duration_s : PathTime(scenario, resolved.robot) + kLater_s;
+  AddCrowd(*crowd, robot, duration_s, scenario.seed, resolved.scene);
 }
 
 /// Fails at `setting` within `node`, or as near to it as the file goes.
@@ -164,6 +192,12 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   } catch (const BadInput& e) {
     fail_at("variation", e);
   }
+  try {
+    AddCrowdOf(resolved);
+  } catch (const BadInput& e) {
+    if (scenario.crowd) fail_at("crowd", e);
+    fail_at("scene", BadInput("its crowd: " + std::string(e.what())));
+  }
   if (scenario.localisation) {
     if (const auto problem = FindProblem(*scenario.localisation, resolved.scene))
       FailAtSetting(root.Child("localisation"), problem->key, problem->text);
@@ -196,10 +230,12 @@ std::string ResolvedScenario::ToYaml() const {
 ResolvedScenario ResolvedScenario::WithSeed(uint64_t seed) const {
   ResolvedScenario copy = *this;
   copy.scenario.seed = seed;
-  if (SaysNothing(scenario.variation)) return copy;
-  copy.scene = ReadSceneOfSeed(scenario.scene, scenario.variation, seed);
-  AddPeople(scenario.people, copy.scene);
-  copy.start = StartOf(copy);
+  if (!SaysNothing(scenario.variation)) {
+    copy.scene = ReadSceneOfSeed(scenario.scene, scenario.variation, seed);
+    AddPeople(scenario.people, copy.scene);
+    copy.start = StartOf(copy);
+  }
+  AddCrowdOf(copy);
   return copy;
 }
 

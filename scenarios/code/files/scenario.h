@@ -98,6 +98,7 @@ struct Scenario {
   std::string robot = "khr1hv";
   std::string scene = "lab";
   std::vector<PersonOptions> people;
+  std::optional<CrowdEntry> crowd;
   uint64_t seed = 1;
   double duration_s = 20;
   std::optional<Eigen::Vector3d> start;
@@ -125,6 +126,8 @@ void VisitFields(Visitor& visit, Scenario& o) {
   visit("robot", o.robot, AnyText(), "shipped robot, or path of a robot YAML");
   visit("scene", o.scene, AnyText(), "shipped scene, or path of a scene YAML");
   visit("people", o.people, Nested(), "who walks or stands there besides the scene's own people");
+  visit("crowd", o.crowd, Nested(),
+        "how many more walk there to goals of their own, stand and talk, instead of the scene's own crowd");
   visit("seed", o.seed, AtLeast(0), "all randomness of the run derives from it");
   visit("duration_s", o.duration_s, Between(0, 36000),
         "the walk ends here, or when the path ends, whichever is first; 0: when the path ends");

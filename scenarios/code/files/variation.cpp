@@ -9,6 +9,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
 #include "algorithms/core/units.h"
+#include "models/code/scenes/footprint.h"
 #include "models/code/yaml/preset_block.h"
 #include "scenarios/code/files/folders.h"
 
@@ -16,25 +17,9 @@ namespace gaitcam {
 namespace {
 
 constexpr int kSceneDraws = 20, kStartDraws = 2000;
-constexpr double kAlongPath_m = 0.05;           // from one point of the path to the next that is asked
-constexpr double kLow_m = 0.01, kHigh_m = 1.5;  // what is flatter, or hangs higher, is in no robot's way
-constexpr double kHalf = 0.5;                   // of the nominal clearance must remain
-
-/// What a box covers of the floor; nothing if it is in nobody's way.
-std::vector<cv::Point2f> Footprint(const SceneBox& box) {
-  std::vector<cv::Point2f> corners, hull;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3d sign(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
-    const Eigen::Vector3d corner = box.X_WB * Eigen::Vector3d(sign.cwiseProduct(box.size));
-    corners.emplace_back(float(corner.x()), float(corner.y()));
-    low = std::min(low, corner.z());
-    high = std::max(high, corner.z());
-  }
-  if (!box.collides || high < kLow_m || low > kHigh_m) return {};
-  cv::convexHull(corners, hull);
-  return hull;
-}
+constexpr double kAlongPath_m = 0.05;  // from one point of the path to the next that is asked
+constexpr double kHigh_m = 1.5;        // what hangs higher is in no robot's way
+constexpr double kHalf = 0.5;          // of the nominal clearance must remain
 
 /// Reads the first scene that can be built; the last one's refusal is passed on.
 Scene FirstThatCanBe(const std::string& name, SceneVariation variation, bool new_seed, RandomStream random) {
@@ -82,7 +67,7 @@ double Clearance(const PathOptions& options, double part, const Eigen::Vector3d&
   const Path path(options, Pose(RotZ(start.z() * kRadPerDeg), {start.x(), start.y(), 0}));
   std::vector<std::vector<cv::Point2f>> footprints;
   for (const SceneBox& box : scene.boxes) {
-    std::vector<cv::Point2f> footprint = Footprint(box);
+    std::vector<cv::Point2f> footprint = Footprint(box, kHigh_m);
     if (!footprint.empty()) footprints.push_back(std::move(footprint));
   }
   double clearance = std::numeric_limits<double>::infinity();

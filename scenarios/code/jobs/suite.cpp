@@ -257,7 +257,8 @@ std::vector<SuiteEntry> Suite::EntriesOf(const WorseSystem& worse) const {
   for (const SuiteEntry& entry : entries) {
     shelf.robots.emplace(entry.resolved.scenario.robot, entry.resolved.robot);
     const Scenario& scenario = entry.resolved.scenario;
-    const bool as_shipped = SaysNothing(scenario.variation) && scenario.people.empty();
+    const bool as_shipped =
+        SaysNothing(scenario.variation) && scenario.people.empty() && !scenario.crowd && !entry.resolved.scene.crowd;
     if (as_shipped) shelf.scenes.emplace(scenario.scene, entry.resolved.scene);
   }
   const auto is_among = [](const std::vector<std::string>& names, const std::string& name) {

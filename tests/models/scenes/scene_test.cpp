@@ -69,8 +69,8 @@ class Obstacles {
 
 TEST(Scene, AllShippedScenesAreListed) {
   EXPECT_THAT(ListScenes(kModels),
-              testing::ElementsAre("corridor", "floor_trials", "hall", "lab", "lab_dim", "lab_plain", "plain",
-                                   "robocup_field", "tabletop", "twin_corridors"));
+              testing::ElementsAre("cafeteria", "corridor", "floor_trials", "hall", "lab", "lab_dim", "lab_plain",
+                                   "plain", "robocup_field", "tabletop", "twin_corridors"));
   EXPECT_TRUE(ListScenes("/no/such/folder").empty());
 }
 
