@@ -44,8 +44,8 @@ double EstimateDrivingTime(const OmniDriveOptions& options, const PathOptions& p
 
 /// A controller that starts at `start` (x, y and yaw count). Its targets are the joints of the robot, then x, y, yaw,
 /// pitch and roll of the base, as World::SetTargets expects them.
-/// @throws BadOption for a field out of range.
+/// @param seed of how a carried base sways (Robot::sway). @throws BadOption for a field out of range.
 std::unique_ptr<Controller> MakeOmniDrive(const Robot& robot, const OmniDriveOptions& options, const PathOptions& path,
-                                          const Pose& start);
+                                          const Pose& start, uint64_t seed = 1);
 
 }  // namespace gaitcam

@@ -70,7 +70,7 @@ class Obstacles {
 TEST(Scene, AllShippedScenesAreListed) {
   EXPECT_THAT(ListScenes(kModels),
               testing::ElementsAre("corridor", "floor_trials", "hall", "lab", "lab_dim", "lab_plain", "plain",
-                                   "robocup_field", "tabletop", "twin_corridors"));
+                                   "robocup_field", "street", "street_empty", "tabletop", "twin_corridors"));
   EXPECT_TRUE(ListScenes("/no/such/folder").empty());
 }
 
@@ -154,6 +154,28 @@ TEST(Scene, PathsOfTheShippedScenesAreFree) {
   for (double angle = 0; angle < 2 * M_PI; angle += 0.05) {
     EXPECT_FALSE(in_plain.Block({2.25 * std::sin(angle), -2.25 * std::cos(angle)}, kReach)) << angle;
   }
+}
+
+TEST(Scene, TheStreetIsFreeAndItsPeopleWalkThroughNoThing) {
+  const Scene street = ReadScene("street", kModels);
+  const Obstacles obstacles(street);
+  const Eigen::Vector2d start = street.start.head<2>();
+  EXPECT_EQ(start, Eigen::Vector2d(-25, -17.5));
+  for (double s = 0; s <= 50; s += 0.1) {  // a person's width, and room to sway and to cut corners
+    for (const double y : {0.0, 35.0}) EXPECT_FALSE(obstacles.Block(start + Eigen::Vector2d(s, y), 0.9)) << s;
+    for (const double x : {0.0, 50.0}) EXPECT_FALSE(obstacles.Block(start + Eigen::Vector2d(x, 0.7 * s), 0.9)) << s;
+  }
+  EXPECT_GE(street.people.size(), 10u);
+  for (const PersonOptions& person : street.people) {
+    for (size_t i = 0; i < person.path.size(); ++i) {
+      const Eigen::Vector2d& from = person.path[i == 0 ? 0 : i - 1];
+      for (double part = 0; part <= 1; part += 0.005)
+        EXPECT_FALSE(obstacles.Block(from + part * (person.path[i] - from), 0.3)) << person.name << " " << person.seed;
+    }
+  }
+  const Scene empty = ReadScene("street_empty", kModels);
+  EXPECT_TRUE(empty.people.empty());
+  EXPECT_EQ(empty.boxes.size(), street.boxes.size());
 }
 
 TEST(Scene, PostersShowTheirPictureWhereTheyFace) {
