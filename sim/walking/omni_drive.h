@@ -1,7 +1,8 @@
 /// Drives an omnidirectional base along a path: the control group of every gait study.
 ///
 /// The base follows the path's reference pose by arc length with smooth speed ramps, and stops to turn on the spot. Its
-/// drive is a position servo on x, y and yaw (see Robot::drive), so `path.feedback` makes no difference to it.
+/// drive is a position servo on x, y and yaw (see Robot::drive), so `path.feedback` makes no difference to it. A base
+/// that stands for somebody who walks moves its hand with the steps (hand_sway.h).
 
 #pragma once
 
