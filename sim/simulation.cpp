@@ -17,8 +17,8 @@ Pose StartPose(const Eigen::Vector3d& scene_start, const std::optional<Eigen::Ve
 }
 
 std::unique_ptr<Controller> MakeController(const Robot& robot, const mjModel* nominal, const SimulationOptions& options,
-                                           const Pose& start) {
-  if (robot.kind == Robot::Kind::kOmniBase) return MakeOmniDrive(robot, options.drive, options.path, start);
+                                           const Pose& start, uint64_t seed) {
+  if (robot.kind == Robot::Kind::kOmniBase) return MakeOmniDrive(robot, options.drive, options.path, start, seed);
   return MakeWalker(robot, nominal, options.gait, options.path, options.physics, start);
 }
 
@@ -96,7 +96,7 @@ void CheckSimulation(const Robot& robot, const Scene& scene, const SimulationOpt
   Scene floor;  // the robot is asked, not the scene: an empty floor compiles in no time
   floor.start = scene.start;
   const World world(robot, floor, options.physics, {}, seed);
-  MakeController(robot, world.nominal_model(), options, StartPose(scene.start, options.start));
+  MakeController(robot, world.nominal_model(), options, StartPose(scene.start, options.start), seed);
   SensorSuite(world, options.sensors, seed);
 }
 
@@ -105,7 +105,7 @@ Simulation::Simulation(const Robot& robot, const Scene& scene, const SimulationO
       gl_(options.camera.renderer),
       rig_(options.camera, seed, scene.light),
       world_(robot, scene, options.physics, rig_.WorldCameras(), seed),
-      controller_(MakeController(robot, world_.nominal_model(), options, StartPose(scene.start, options.start))),
+      controller_(MakeController(robot, world_.nominal_model(), options, StartPose(scene.start, options.start), seed)),
       sensors_(world_, options.sensors, seed),
       renderer_(world_.model(), rig_.MakeRendererOptions(), world_.pictures()),
       calibration_(rig_.MakeCalibration()),
@@ -130,7 +130,8 @@ void Simulation::PutAtStart() {
 void Simulation::Restart(const Eigen::Vector3d& start, uint64_t seed) {
   options_.start = start;
   const Robot& robot = world_.robot();
-  controller_ = MakeController(robot, world_.nominal_model(), options_, StartPose(Eigen::Vector3d::Zero(), start));
+  controller_ =
+      MakeController(robot, world_.nominal_model(), options_, StartPose(Eigen::Vector3d::Zero(), start), seed);
   PutAtStart();
   rig_.Reseed(seed);
   sensors_ = SensorSuite(world_, options_.sensors, seed);

@@ -8,7 +8,7 @@ namespace gaitcam {
 
 AppearanceSlam::AppearanceSlam(std::unique_ptr<PlaceMemory> memory, const ViewOptions& options,
                                const RobustViewOptions& robust, uint64_t seed)
-    : memory_(std::move(memory)), options_(options), robust_(robust, seed) {
+    : memory_(std::move(memory)), options_(options), robust_options_(robust), seed_(seed), robust_(robust, seed) {
   CheckFields(options, "appearance.");
   detector_ = MakeFeature2d(options.feature);
 }
@@ -43,10 +43,11 @@ FrameEstimate AppearanceSlam::Track(const Observation& observation) {
 
 void AppearanceSlam::Visit(const RobustView& view) {
   const int place = int(graph_.nodes.size());
-  const size_t first_places = PlacesBefore(view.stamp_ns);
+  const size_t first_places = learns_ ? PlacesBefore(view.stamp_ns) : graph_.nodes.size();
   const PlaceAnswer answer = memory_->Ask(view.features, first_places);
-  memory_->Add(view.features);
+  if (learns_) memory_->Add(view.features);
   tests_.push_back({view.stamp_ns, int(first_places), answer.place, answer.known, answer.confidence});
+  if (!learns_) return;
   graph_.nodes.push_back({view.stamp_ns, 0, {}});
   if (place > 0) graph_.links.push_back({place - 1, place, false, view.stamp_ns});
   if (answer.known) graph_.links.push_back({place, answer.place, true, view.stamp_ns});
@@ -56,6 +57,13 @@ void AppearanceSlam::Visit(const RobustView& view) {
 void AppearanceSlam::Finish() {
   for (const RobustView& view : robust_.Finish()) Visit(view);
   for (PlaceNode& node : graph_.nodes) node.bytes = size_t(std::llround(memory_->bytes_per_place()));
+}
+
+void AppearanceSlam::StopLearning() {
+  Finish();
+  learns_ = false;
+  robust_ = RobustViews(robust_options_, seed_);  // the first view has no neighbour
+  last_ns_.reset();
 }
 
 }  // namespace gaitcam

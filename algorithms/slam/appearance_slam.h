@@ -79,9 +79,13 @@ class AppearanceSlam {
   FrameEstimate Track(const Observation& observation);
   /// After the last frame: views that waited for the next one, and what each place takes.
   void Finish();
+  /// The film ends here, and another begins. Its views are asked about and not remembered: the answer may be any place
+  /// of the film before, and tests() goes on where the graph does not.
+  void StopLearning();
   /// A node and a test for each view, in the order of the film.
   const PlaceGraph& graph() const { return graph_; }
-  /// Of each node, in their order: also answers that were not sure enough for a loop.
+  /// Of each node, in their order, and then of each view since StopLearning(): also answers that were not sure enough
+  /// for a loop.
   const std::vector<AppearanceTest>& tests() const { return tests_; }
 
  private:
@@ -90,7 +94,10 @@ class AppearanceSlam {
 
   std::unique_ptr<PlaceMemory> memory_;
   ViewOptions options_;
+  RobustViewOptions robust_options_;
+  uint64_t seed_;
   RobustViews robust_;
+  bool learns_ = true;
   cv::Ptr<cv::Feature2D> detector_;
   std::optional<int64_t> last_ns_;  ///< The last frame that was taken for a view.
   PlaceGraph graph_;

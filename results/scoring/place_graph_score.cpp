@@ -37,9 +37,19 @@ SampledPath SamplePath(const Trajectory& truth, double step_m) {
   path.step_m = step_m;
   for (const auto& pose : truth) {
     const Vector2d p = pose.pose.translation.head<2>();
-    if (!path.points.empty() && (p - path.points.back()).norm() < step_m) continue;
-    path.points.push_back(p);
-    path.stamps.push_back(pose.stamp_ns);
+    const auto add = [&](const Vector2d& at, int64_t stamp_ns) {
+      path.points.push_back(at);
+      path.stamps.push_back(stamp_ns);
+    };
+    if (path.points.empty()) add(p, pose.stamp_ns);
+    const Vector2d from = path.points.back(), way = p - from;
+    const int64_t from_ns = path.stamps.back(), time_ns = pose.stamp_ns - from_ns;
+    const int between = int(way.norm() / step_m) - 1;  // a film of few frames: straight from one to the next
+    for (int k = 1; k <= between; ++k) {
+      const double part = k * step_m / way.norm();
+      add(from + part * way, from_ns + int64_t(part * double(time_ns)));
+    }
+    if (way.norm() >= step_m) add(p, pose.stamp_ns);
   }
   return path;
 }
@@ -158,7 +168,7 @@ PlaceGraphComparison ComparePlaceGraph(const PlaceGraph& graph, const Trajectory
 
 std::vector<Metric<PlaceGraphEvidence>> PlaceGraphMetrics() {
   constexpr ScoreGroup kGroup = ScoreGroup::kLoops;
-  return {{"place_nodes", "", Better::kNeither, kGroup, "places seen all around",
+  return {{"place_nodes", "", Better::kNeither, kGroup, "places of the map",
            [](const auto& e) { return double(e.graph.nodes.size()); }, true},
           {"place_node_bytes", "byte", Better::kLower, kGroup, "memory that a place takes",
            [](const auto& e) { return MeanNodeBytes(e.graph); }},
@@ -169,7 +179,7 @@ std::vector<Metric<PlaceGraphEvidence>> PlaceGraphMetrics() {
           {"loops_false", "", Better::kLower, kGroup, "of those, to a place that the robot was not at",
            [](const auto& e) { return double(e.comparison.loops.size()) - RightLoops(e.comparison); }, true},
           {"loop_precision", "", Better::kHigher, kGroup, "right ones of the loops closed",
-           [](const auto& e) { return Ratio(RightLoops(e.comparison), double(e.comparison.loops.size())); }},
+           [](const auto& e) { return Ratio(RightLoops(e.comparison), double(e.comparison.loops.size())); }, true},
           {"loop_crossings", "", Better::kNeither, kGroup, "the true way crosses itself so often",
            [](const auto& e) { return double(e.comparison.crossings.size()); }},
           {"loop_crossings_found", "", Better::kHigher, kGroup, "crossings at which a right loop was closed",

@@ -23,6 +23,7 @@
 #include "results/scoring/association.h"
 #include "results/scoring/metric.h"
 #include "results/scoring/metrics.h"
+#include "results/scoring/place_graph_score.h"
 
 namespace gaitcam {
 
@@ -57,6 +58,7 @@ struct ScoreOptions {
   RpePath rpe_path = RpePath::kWalked;
   AlsoAlign also_align =
       AlsoAlign::kNoMore;  ///< Further alignments of the absolute error: "none", "yaw", "both" or "".
+  std::optional<PlaceGraphScoreOptions> places;
 };
 
 template <class Visitor>
@@ -74,6 +76,7 @@ void VisitFields(Visitor& visit, ScoreOptions& o) {
         "whose path metres are measured along: the walked one without the gait's sway, the camera's, the estimate's");
   visit("also_align", o.also_align, EnumWords<AlsoAlign>(),
         "further alignments of the absolute error, beside SE(3) and Sim(3)");
+  visit("places", o.places, Nested(), "when a loop of a topological map is right; absent: as a robot's in a room");
 }
 
 /// The errors of one of the two answers.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "algorithms/core/errors.h"
+#include "sim/walking/hand_sway.h"
 
 namespace gaitcam {
 
@@ -131,8 +132,14 @@ class Excursion {
 
 class OmniDrive : public Controller {
  public:
-  OmniDrive(const Robot& robot, const OmniDriveOptions& options, const PathOptions& path_options, const Pose& start)
-      : robot_(robot), options_(options), path_options_(path_options), path_(path_options, start), head_pan_(robot) {
+  OmniDrive(const Robot& robot, const OmniDriveOptions& options, const PathOptions& path_options, const Pose& start,
+            uint64_t seed)
+      : robot_(robot),
+        options_(options),
+        path_options_(path_options),
+        path_(path_options, start),
+        sway_(robot, options.speed_mps, seed),
+        head_pan_(robot) {
     CheckFields(options, "drive.");
     stretches_ = PlanStretches(path_, options);
     for (const Stretch& stretch : stretches_) moving_s_ += stretch.profile.duration_s();
@@ -143,8 +150,8 @@ class OmniDrive : public Controller {
   }
 
   std::vector<double> InitialJoints() const override {
-    std::vector<double> joints(robot_.joints.size(), 0.0);
-    if (robot_.neck_tilt >= 0) joints[size_t(robot_.neck_tilt)] = path_options_.head_tilt_rad;
+    std::vector<double> joints = JointsAtRest();
+    sway_.AddTo(joints, 0, 0);
     return joints;
   }
 
@@ -156,11 +163,12 @@ class OmniDrive : public Controller {
     if (scan_.active() || pace_ < 1 || LeavesPath()) Scan(period_s);
     if (excursion_) Drive(period_s);
     time_s_ = now_s - halted_s_;
-    const std::vector<double> joints = InitialJoints();
+    const std::vector<double> joints = JointsAtRest();
     std::copy(joints.begin(), joints.end(), targets_.begin());
     PanNeck();
     const Reference ahead =
         excursion_ ? Reference{excursion_->Ahead(lead_s_), excursion_->SpeedRatio()} : At(time_s_ + lead_s_);
+    sway_.AddTo(targets_, time_s_, ahead.speed_ratio * Speed());
     const size_t n = robot_.joints.size();
     targets_[n] = ahead.pose.position.x();
     targets_[n + 1] = ahead.pose.position.y();
@@ -194,6 +202,12 @@ class OmniDrive : public Controller {
   PlanarPose PlannedAt(double time_s) const { return At(time_s).pose; }
 
  private:
+  std::vector<double> JointsAtRest() const {
+    std::vector<double> joints(robot_.joints.size(), 0.0);
+    if (robot_.neck_tilt >= 0) joints[size_t(robot_.neck_tilt)] = path_options_.head_tilt_rad;
+    return joints;
+  }
+
   /// 1 on its way, 0 while halted, a raised cosine between.
   double Speed() const { return 0.5 - 0.5 * std::cos(pi * pace_); }
 
@@ -291,6 +305,7 @@ class OmniDrive : public Controller {
   std::vector<Stretch> stretches_;
   std::vector<double> targets_;
   double moving_s_ = 0, lead_s_ = 0, time_s_ = 0;
+  HandSway sway_;
   HeadPan head_pan_;
   HeadScan scan_;
   BodyCommand wanted_;
@@ -306,7 +321,7 @@ class OmniDrive : public Controller {
 }  // namespace
 
 double EstimateDrivingTime(const OmniDriveOptions& options, const PathOptions& path) {
-  return OmniDrive(Robot{}, options, path, Pose()).duration_s();
+  return OmniDrive(Robot{}, options, path, Pose(), 0).duration_s();
 }
 
 std::function<PlanarPose(double)> PlanDriving(const OmniDriveOptions& options, const PathOptions& path,
@@ -316,9 +331,9 @@ std::function<PlanarPose(double)> PlanDriving(const OmniDriveOptions& options, c
 }
 
 std::unique_ptr<Controller> MakeOmniDrive(const Robot& robot, const OmniDriveOptions& options, const PathOptions& path,
-                                          const Pose& start) {
+                                          const Pose& start, uint64_t seed) {
   GAITCAM_ASSERT(robot.kind == Robot::Kind::kOmniBase);
-  return std::make_unique<OmniDrive>(robot, options, path, start);
+  return std::make_unique<OmniDrive>(robot, options, path, start, seed);
 }
 
 }  // namespace gaitcam

@@ -1,7 +1,8 @@
 /// Drives an omnidirectional base along a path: the control group of every gait study.
 ///
 /// The base follows the path's reference pose by arc length with smooth speed ramps, and stops to turn on the spot. Its
-/// drive is a position servo on x, y and yaw (see Robot::drive), so `path.feedback` makes no difference to it.
+/// drive is a position servo on x, y and yaw (see Robot::drive), so `path.feedback` makes no difference to it. A base
+/// that stands for somebody who walks moves its hand with the steps (hand_sway.h).
 
 #pragma once
 
@@ -50,8 +51,8 @@ std::function<PlanarPose(double time_s)> PlanDriving(const OmniDriveOptions& opt
 
 /// A controller that starts at `start` (x, y and yaw count). Its targets are the joints of the robot, then x, y, yaw,
 /// pitch and roll of the base, as World::SetTargets expects them.
-/// @throws BadOption for a field out of range.
+/// @param seed of how a carried base sways (Robot::sway). @throws BadOption for a field out of range.
 std::unique_ptr<Controller> MakeOmniDrive(const Robot& robot, const OmniDriveOptions& options, const PathOptions& path,
-                                          const Pose& start);
+                                          const Pose& start, uint64_t seed = 1);
 
 }  // namespace gaitcam

@@ -51,7 +51,7 @@ Path::Path(const PathOptions& options, const Pose& start) : start_(start) {
       AddTurn(sense * kPi / 2);
     }
   } else if (options.kind == PathKind::kPolyline) {
-    AddPolyline(options.points);
+    AddPolyline(options);
   }
 }
 
@@ -76,18 +76,37 @@ void Path::AddLine(double length_m) { Add(length_m, 0); }
 void Path::AddArc(double radius_m, double turn_rad) { Add(radius_m * std::abs(turn_rad), turn_rad); }
 void Path::AddTurn(double turn_rad) { Add(0, turn_rad); }
 
-void Path::AddPolyline(const std::vector<Eigen::Vector2d>& points) {
+void Path::AddPolyline(const PathOptions& options) {
+  const std::vector<Eigen::Vector2d>& points = options.points;
   if (points.empty()) throw BadOption("path.points: a polyline needs at least one point, as in [[1, 0], [1, 1]]");
+  const double radius_m = options.corner_radius_m.value_or(0);
+  if (options.corner_radius_m && !(radius_m > 0 && std::isfinite(radius_m))) {
+    throw BadOption("path.corner_radius_m: " + internal::NumberText(radius_m) +
+                    " is not permitted; expected a length above 0, or no such key");
+  }
+  const bool rounded = radius_m > 0;
+  const auto heading_of = [](const Eigen::Vector2d& way) { return std::atan2(way.y(), way.x()); };
+  double cut_m = 0;  // what the arc at a leg's beginning has taken of it
   for (size_t i = 0; i < points.size(); ++i) {
-    const PlanarPose here = goal();
-    const Eigen::Vector2d way = start_ * points[i] - here.position;
+    const Eigen::Vector2d corner = start_ * points[i];
+    const Eigen::Vector2d way = corner - (rounded && i > 0 ? start_ * points[i - 1] : goal().position);
     if (way.norm() < 1e-3) {
       throw BadOption("path.points: point " + std::to_string(i + 1) +
                       " lies on the one before it (the path starts at [0, 0]); neighbours must differ");
     }
-    const double turn = WrapAngle(std::atan2(way.y(), way.x()) - here.heading);
-    if (std::abs(turn) > 1e-6) AddTurn(turn);
-    AddLine(way.norm());
+    const double turn = WrapAngle(heading_of(way) - goal().heading);
+    if (std::abs(turn) > 1e-6 && !(rounded && i > 0)) AddTurn(turn);
+    const bool bends = rounded && i + 1 < points.size();
+    const double bend = bends ? WrapAngle(heading_of(start_ * points[i + 1] - corner) - heading_of(way)) : 0;
+    const double reach_m = radius_m * std::tan(std::abs(bend) / 2), left_m = way.norm() - cut_m;
+    if (reach_m > left_m) {
+      throw BadOption("path.corner_radius_m: " + internal::NumberText(radius_m) +
+                      " is too much for the corner at point " + std::to_string(i + 1) +
+                      " of path.points; expected less");
+    }
+    if (left_m - reach_m > 1e-9) AddLine(left_m - reach_m);
+    if (reach_m > 1e-9) AddArc(radius_m, bend);
+    cut_m = reach_m;
   }
 }
 

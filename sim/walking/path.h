@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "algorithms/core/fields.h"
@@ -43,6 +44,7 @@ struct PathOptions {
   double diameter_m = 4.0;
   double side_m = 2.0;
   std::vector<Eigen::Vector2d> points;
+  std::optional<double> corner_radius_m;
   PathDirection direction = PathDirection::kLeft;
   int laps = 1;
   double duration_s = 10.0;
@@ -62,6 +64,8 @@ void VisitFields(Visitor& visit, PathOptions& o) {
   visit("side_m", o.side_m, Between(0.1, 200.0), "of a square");
   visit("points", o.points, Nested(),
         "corners of a polyline as [x, y], m in the start frame; the start (0, 0) is implied");
+  visit("corner_radius_m", o.corner_radius_m, Nested(),
+        "a polyline's corners are walked as arcs of this radius; absent: it turns on the spot in them");
   visit("direction", o.direction, EnumWords<PathDirection>(),
         "sense of circle, square and of the turn of there_and_back");
   visit("laps", o.laps, Between(1, 1000), "rounds of a circle or square");
@@ -96,7 +100,8 @@ struct PathSegment {
 class Path {
  public:
   /// @param start where the robot stands at first, x forward; height, roll and pitch are ignored.
-  /// @throws BadOption for a polyline without points or with two equal neighbours, and for fields out of range.
+  /// @throws BadOption for a polyline without points, with two equal neighbours, or with a leg too short for the arcs
+  /// at its ends, and for fields out of range.
   Path(const PathOptions& options, const Pose& start);
 
   /// A turn on the spot towards `goal`, a straight line, and a turn on the spot into its heading; turns by at most pi,
@@ -126,7 +131,7 @@ class Path {
   void AddLine(double length_m);
   void AddArc(double radius_m, double turn_rad);
   void AddTurn(double turn_rad);
-  void AddPolyline(const std::vector<Eigen::Vector2d>& points);
+  void AddPolyline(const PathOptions& options);
   void Add(double length_m, double turn_rad);
 
   PlanarPose start_;

@@ -63,6 +63,8 @@ struct RobotFile {
   ServosFile servos;
   double base_height_m = 0;
   DriveOptions drive;
+  double walk_ratio_m_s = 0;
+  std::vector<SwayOptions> sway;
   std::map<std::string, GaitOptions> gaits;
   std::map<std::string, double> control;
 };
@@ -115,6 +117,9 @@ void VisitFields(Visitor& visit, RobotFile& o) {
   visit("servos", o.servos, Nested(), "gains and limits");
   visit("base_height_m", o.base_height_m, Between(0, 10), "height of an omni base's root link over the floor");
   visit("drive", o.drive, Nested(), "how an omni base follows its targets");
+  visit("walk_ratio_m_s", o.walk_ratio_m_s, Between(0, 10),
+        "of who carries an omni base: length of a step over steps per second");
+  visit("sway", o.sway, Nested(), "how its joints swing with the steps");
   visit("gaits", o.gaits, Nested(), "presets");
   visit("control", o.control, Nested(), "gains of the walk that differ from the defaults");
 }
@@ -145,6 +150,7 @@ class RobotBuilder {
     robot_.imu = ReadMount("imu", file_.imu);
     robot_.base_height_m = file_.base_height_m;
     robot_.drive = file_.drive;
+    ReadSway();
     robot_.gaits = file_.gaits;
     robot_.control = file_.control;
     return std::move(robot_);
@@ -252,6 +258,25 @@ class RobotBuilder {
     for (size_t i = 0; i < efforts.size(); ++i) {
       if (efforts[i] > 0) robot_.servos[i].torque_limit = std::min(robot_.servos[i].torque_limit, efforts[i]);
     }
+  }
+
+  void ReadSway() {
+    if (file_.sway.empty()) return;
+    const OptionValue list = root_.Child("sway");
+    if (robot_.kind != Robot::Kind::kOmniBase) list.Fail("only the joints of an omni_base sway; a humanoid's walk");
+    if (!(file_.walk_ratio_m_s > 0)) list.Fail("expected a walk_ratio_m_s above 0 beside it, 0.4 of most people");
+    for (size_t i = 0; i < file_.sway.size(); ++i) {
+      const OptionValue entry = list.Element(i);
+      const std::string& name = file_.sway[i].joint;
+      const OptionValue at = Required(entry, "joint", "the joint that swings");
+      if (robot_.joints[size_t(Find(at, name, robot_.joints, "joint"))].kind == RobotJoint::Kind::kFixed)
+        at.Fail("joint \"" + name + "\" is fixed; expected one that moves");
+      for (size_t k = 0; k < i; ++k) {
+        if (file_.sway[k].joint == name) at.Fail("joint \"" + name + "\" is named twice; expected one entry for each");
+      }
+    }
+    robot_.walk_ratio_m_s = file_.walk_ratio_m_s;
+    robot_.sway = file_.sway;
   }
 
   RobotMount ReadMount(const std::string& key, const MountFile& file) const {

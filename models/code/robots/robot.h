@@ -86,6 +86,27 @@ void VisitFields(Visitor& visit, DriveOptions& o) {
   visit("rocking_damping_ratio", o.rocking_damping_ratio, Between(0.01, 5.0), "of pitch and roll");
 }
 
+/// How a joint of an omni base swings while somebody carries it: with the steps, and with where the hand wanders.
+struct SwayOptions {
+  using DescribedTag = void;
+  std::string joint;
+  double per_step = 1;
+  double amplitude = 0;
+  double phase_deg = 0;
+  double wander = 0;
+  double wander_hz = 0.1;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, SwayOptions& o) {
+  visit("joint", o.joint, AnyText(), "one that no other entry names");
+  visit("per_step", o.per_step, Between(0.1, 10.0), "swings per step: 1 up and down, 0.5 from side to side");
+  visit("amplitude", o.amplitude, Between(0.0, 1.0), "of the swing at full speed, m or, of a joint that turns, rad");
+  visit("phase_deg", o.phase_deg, Between(-360.0, 360.0), "of the swing when the walk begins");
+  visit("wander", o.wander, Between(0.0, 1.0), "slow and random, by seed: standard deviation, m or rad");
+  visit("wander_hz", o.wander_hz, Between(0.001, 1.0), "highest frequency of that");
+}
+
 /// Six joints from hip to ankle, in the order yaw, roll, pitch, knee, ankle pitch, ankle roll.
 struct RobotLeg {
   std::array<int, 6> joints{};  ///< Indices into Robot::joints.
@@ -116,6 +137,8 @@ struct Robot {
   int camera_pan = -1;                   ///< A second joint that turns the camera left, carried by the neck's; or -1.
   double base_height_m = 0;              ///< Omni base: height of the root link over the floor.
   DriveOptions drive;                    ///< Omni base.
+  double walk_ratio_m_s = 0;             ///< Omni base that is carried: a step's length over the rate of steps.
+  std::vector<SwayOptions> sway;         ///< Of that base.
   RobotMount camera, imu;
   std::map<std::string, GaitOptions> gaits;  ///< Presets by name.
   std::map<std::string, double> control;     ///< Feedback gains of the walk that differ from its defaults.

@@ -140,6 +140,21 @@ Parts MakeRadiator(const Vector3d& size, RandomStream&) {
   return parts;
 }
 
+/// Its body shows wheels and doors; bonnet, windows and roof are plain.
+Parts MakeCar(const Vector3d& size, RandomStream& random) {
+  const double length = size.x(), width = size.y(), waist = 0.57 * size.z(), clear = 0.12;
+  const double cabin = random.Uniform(0.5, 0.62) * length, back = random.Uniform(-0.12, -0.04) * length;
+  const Vector3d silver(0.7, 0.71, 0.73), glass(0.13, 0.16, 0.19);
+  Parts parts{Front({0, 0, (waist + clear) / 2}, {length, width, waist - clear}, "car_body")};
+  const auto paint = [&](double x, double z, double long_m, double wide_m, double tall_m) {
+    parts.push_back({{x, 0, z}, {long_m, wide_m, tall_m}, "main", {0, 0}, silver});
+  };
+  paint(0, waist + 0.02, length - 0.04, width - 0.04, 0.04);
+  parts.push_back(Plain({back, 0, (waist + size.z()) / 2}, {cabin, 0.9 * width, size.z() - waist - 0.06}, glass));
+  paint(back, size.z() - 0.03, 0.92 * cabin, 0.92 * width, 0.06);
+  return parts;
+}
+
 /// A soccer goal that opens to the front; the net is a plain back.
 Parts MakeGoal(const Vector3d& size, RandomStream&) {
   constexpr double kPost = 0.06;
@@ -163,6 +178,7 @@ const std::vector<FurnitureKind>& AllFurniture() {
   static const std::vector<FurnitureKind> kinds = {
       {"bench", {0.34, 1.4, 0.44}, "wood", false, 1, MakeBench},
       {"bin", {0.28, 0.28, 0.35}, "", false, 0, MakeBin},
+      {"car", {4.2, 1.7, 1.45}, "", true, 0, MakeCar},
       {"carton", {0.4, 0.5, 0.35}, "cardboard", true, 0, MakeCarton},
       {"chair", {0.42, 0.42, 0.85}, "wood", false, 0.53, MakeChair},
       {"cupboard", {0.45, 0.9, 1.9}, "wood", false, 0, MakeCupboard},

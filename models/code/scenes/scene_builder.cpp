@@ -357,6 +357,7 @@ int SceneBuilder::PartTexture(const FurnitureEntry& piece, const FurnitureKind& 
     options.kind = part.texture;
     options.seed = 5000 + 100 * uint64_t(index) + uint64_t(number);
     options.size_m = {part.size.y(), part.size.z()};
+    if (piece.rgb) options.rgb = *piece.rgb;
   }
   return AddTexture(options, node);
 }

@@ -6,6 +6,7 @@
 #include "models/code/textures/floor_textures.h"
 #include "models/code/textures/picture_textures.h"
 #include "models/code/textures/room_textures.h"
+#include "models/code/textures/street_textures.h"
 #include "models/code/textures/texture_noise.h"
 
 namespace gaitcam {
@@ -28,6 +29,7 @@ struct Kind {
 const std::vector<Kind>& Kinds() {
   static const std::vector<Kind> kinds = {
       {"books", {0.8, 0.3}, 500, 0.032, {0.5, 0.5, 0.5}, 16, MakeBooks},
+      {"car_body", {1.7, 0.7}, 250, 0, {0.7, 0.71, 0.73}, 16, MakeCarBody},
       {"cardboard", {0.5, 0.4}, 500, 0.008, {0.66, 0.5, 0.34}, 16, MakeCardboard},
       {"carpet", {4, 4}, 512, 0.5, {0.4, 0.42, 0.46}, 128, MakeCarpet},
       {"ceiling", {3.6, 3.6}, 160, 0.6, {0.9, 0.9, 0.88}, 16, MakeCeiling},
@@ -36,6 +38,7 @@ const std::vector<Kind>& Kinds() {
       {"dead_leaves", {0.6, 0.8}, 500, 0.3, {0.5, 0.5, 0.5}, 16, MakeDeadLeaves},
       {"door", {1.0, 2.1}, 300, 0, {0.62, 0.5, 0.36}, 16, MakeDoor},
       {"field", {7.4, 5.6}, 320, 0.05, {0.16, 0.42, 0.2}, 128, MakeField},
+      {"house_front", {8, 6}, 90, 2.8, {0.68, 0.65, 0.6}, 16, MakeHouseFront},
       {"image", {1, 1}, 0, 0, {0.5, 0.5, 0.5}, 1, nullptr},
       {"notice_board", {1.2, 0.9}, 500, 0.01, {0.62, 0.46, 0.3}, 16, MakeNoticeBoard},
       {"paint", {4, 4}, 256, 0.02, {0.86, 0.85, 0.82}, 256, MakePaint},

@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct LoopTableOptions {
   InputPaths walks;
+  std::vector<std::string> test;
   std::vector<std::string> train;
   int words = 1000;
   ViewOptions views;
@@ -36,9 +37,12 @@ struct LoopTableOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, LoopTableOptions& o) {
   visit("walks", o.walks, Nested(), "recorded folders of walks that come back to where they were");
+  visit("test", o.test, Nested(),
+        "recorded folder of a later walk, whose views are asked about when one of the others was learned; nothing is "
+        "learned from it");
   visit("train", o.train, Nested(),
         "recorded folder of another scene, to learn words from; only fab_map and bag_of_words "
-        "learn, and each walk's own folder is left out");
+        "learn, and the folders of the walk itself and of later ones are left out");
   visit("words", o.words, Between(2, 100000), "of the vocabulary");
   visit("seed", o.seed, Between(0, 1e15), "of the vocabulary");
   VisitFields(visit, o.views);
@@ -80,20 +84,37 @@ struct Outcome {
   double ms_per_view = 0, bytes_per_place = 0;
 };
 
-Outcome Recognise(const Film& film, const std::string& method, AppearanceSlam& slam, const LoopTableOptions& options) {
-  const double before_ms = ProcessorTime_ms();
+void Track(const Film& film, AppearanceSlam& slam) {
   for (const Observation& view : film.views) slam.Track(view);
+}
+
+/// @param later null: the film's own views are asked about, as they are learned; otherwise those of a later film.
+Outcome Recognise(const Film& film, const Film* later, const std::string& method, AppearanceSlam& slam,
+                  const LoopTableOptions& options) {
+  const Film& asked = later ? *later : film;
+  if (later) {
+    Track(film, slam);
+    slam.StopLearning();
+  }
+  const double before_ms = ProcessorTime_ms();
+  Track(asked, slam);
   slam.Finish();
   Outcome outcome;
-  outcome.walk = film.name;
+  outcome.walk = later ? film.name + ", " + later->name : film.name;
   outcome.method = method;
-  outcome.views = int(film.views.size());
-  outcome.ms_per_view = (ProcessorTime_ms() - before_ms) / double(film.views.size());
+  outcome.views = int(asked.views.size());
+  outcome.ms_per_view = (ProcessorTime_ms() - before_ms) / double(asked.views.size());
   outcome.bytes_per_place = double(slam.graph().nodes.back().bytes);
-  std::vector<LoopAnswer> answers;
-  for (const AppearanceTest& test : slam.tests()) answers.push_back({test.place, test.confidence, test.first_places});
-  const std::vector<LoopDecision> decisions = JudgeLoops(answers, film.X_WC, options.truth);
-  for (size_t view = 0; view < decisions.size(); ++view) {
+  const size_t first_asked = later ? film.views.size() : 0;
+  std::vector<Pose> X_WC = film.X_WC;
+  if (later) X_WC.insert(X_WC.end(), later->X_WC.begin(), later->X_WC.end());
+  std::vector<LoopAnswer> answers(first_asked);
+  for (size_t view = first_asked; view < slam.tests().size(); ++view) {
+    const AppearanceTest& test = slam.tests()[view];
+    answers.push_back({test.place, test.confidence, test.first_places});
+  }
+  const std::vector<LoopDecision> decisions = JudgeLoops(answers, X_WC, options.truth);
+  for (size_t view = first_asked; view < decisions.size(); ++view) {
     outcome.accepted += slam.tests()[view].known;
     outcome.right += slam.tests()[view].known && decisions[view].right;
   }
@@ -117,11 +138,19 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
     if (options_.walks.paths.empty()) throw BadInput("walks: name at least one folder of a recorded walk");
     command_ = setup.command;
     cv::setNumThreads(1);  // times are one thread's
+    std::vector<Film> later;
+    for (const std::string& path : options_.test) later.push_back(ReadFilm(path, options_.views.every_s));
     for (const std::string& path : options_.walks.paths) {
       const Film film = ReadFilm(path, options_.views.every_s);
-      for (const auto& [method, make] : Methods(path)) {
-        outcomes_.push_back(Recognise(film, method, *make(), options_));
-        if (!setup.quiet) fmt::print(stderr, "{}", Row(outcomes_.back()));
+      std::vector<const Film*> asked;
+      for (const Film& test : later) asked.push_back(&test);
+      if (asked.empty()) asked.push_back(nullptr);
+      const std::vector<Method> methods = Methods(path);
+      for (const Film* test : asked) {
+        for (const auto& [method, make] : methods) {
+          outcomes_.push_back(Recognise(film, test, method, *make(), options_));
+          if (!setup.quiet) fmt::print(stderr, "{}", Row(outcomes_.back()));
+        }
       }
     }
     WriteTextFile(fs::path(setup.table).replace_extension(".csv"), Curves());
@@ -137,12 +166,15 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
         "over all thresholds, the surest answer first. ms: one thread's processor time per view, features, question "
         "and learning together. kB: of a place, without the vocabulary. fab_map and bag_of_words have {} words learned "
         "from {} views of other walks. These two, and `all features`, take every feature of a view; the others those "
-        "that neighbouring views show too.\n\n"
+        "that neighbouring views show too.{}\n\n"
         "| walk | method | views | possible | accepted | precision, % | recall, % | area | recall at 100 %, % | ms | "
         "kB "
         "|\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
         command_, options_.views.apart_s, options_.truth.same_place_m, options_.truth.same_heading_deg, options_.words,
-        training_views_);
+        training_views_,
+        options_.test.empty() ? ""
+                              : " Of two walks the first was learned, and each view of the second asked about: any "
+                                "place of the first may be the answer, and nothing more is learned.");
     for (const Outcome& outcome : outcomes_) text += Row(outcome);
     return text;
   }
@@ -189,7 +221,8 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
     const cv::Ptr<cv::Feature2D> detector = MakeFeature2d(options_.views.feature);
     std::vector<cv::Mat> descriptors;
     for (const std::string& path : options_.train) {
-      if (fs::equivalent(path, walk)) continue;
+      const auto is = [&](const std::string& other) { return fs::equivalent(path, other); };
+      if (is(walk) || std::any_of(options_.test.begin(), options_.test.end(), is)) continue;
       for (const Observation& view : ReadFilm(path, options_.views.every_s).views)
         descriptors.push_back(DetectFeatures(*detector, view.image.pixels, options_.views.max_features).descriptors);
     }

@@ -135,7 +135,7 @@ void VisitFields(Visitor& visit, Scenario& o) {
   visit("gait", o.gait, Nested(), "how to walk");
   visit("path", o.path, Nested(), "where to walk");
   visit("physics", o.physics, Nested(), "MuJoCo's step, and what is off about masses and friction");
-  visit("drive", o.drive, Nested(), "wheeled base only: speed and vibration");
+  visit("drive", o.drive, Nested(), "wheeled base, or who carries a camera: speed and vibration");
   visit("camera", o.camera, Nested(), "the head camera");
   visit("sensors", o.sensors, Nested(), "IMU, encoders");
   visit("scan", o.scan, Nested(), "how the robot looks all around when its system asks for it");

@@ -53,7 +53,8 @@ MapResult ResultOf(const FloorPicture& map, const MapContext& context) {
 }
 
 MapResult ResultOf(const PlaceGraph& map, const MapContext& context) {
-  const auto comparison = std::make_shared<const PlaceGraphComparison>(ComparePlaceGraph(map, context.truth));
+  const auto comparison =
+      std::make_shared<const PlaceGraphComparison>(ComparePlaceGraph(map, context.truth, context.places));
   MapResult result;
   result.scores = comparison->scores;
   result.write = [comparison, &map](const fs::path& folder) {

@@ -12,6 +12,7 @@
 #include "algorithms/core/trajectory.h"
 #include "models/code/scenes/scene.h"
 #include "results/reports/report.h"
+#include "results/scoring/place_graph_score.h"
 #include "results/scoring/score.h"
 
 namespace gaitcam {
@@ -19,8 +20,9 @@ namespace gaitcam {
 /// What a map is compared with.
 struct MapContext {
   const Scene& scene;
-  const Trajectory& truth;  ///< X_WC of the camera.
-  const Scores& poses;      ///< Their SE(3) alignment moves the map into the world of the truth.
+  const Trajectory& truth;        ///< X_WC of the camera.
+  const Scores& poses;            ///< Their SE(3) alignment moves the map into the world of the truth.
+  PlaceGraphScoreOptions places;  ///< When its loops are right.
 };
 
 struct MapResult {

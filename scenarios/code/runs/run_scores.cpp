@@ -10,7 +10,7 @@ RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std:
   const bool graph_alone = FindMap<PlaceGraph>(estimate.maps) && estimate.ToTrajectory().empty();
   try {
     Scores scores = graph_alone ? ScoreWithoutPoses(estimate) : ScoreEstimate(estimate, truth, frame_stamps, options);
-    run.maps = ResultsOf(estimate.maps, {scene, truth, scores});
+    run.maps = ResultsOf(estimate.maps, {scene, truth, scores, options.places.value_or(PlaceGraphScoreOptions())});
     for (const MapResult& map : run.maps) {
       scores.scores.insert(scores.scores.end(), map.scores.begin(), map.scores.end());
     }

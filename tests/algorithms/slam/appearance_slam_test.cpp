@@ -100,6 +100,41 @@ TEST(AppearanceSlam, WhatWasSeenShortlyBeforeIsNoLoop) {
   }
 }
 
+TEST(AppearanceSlam, ALaterFilmIsAskedAboutAndNotLearned) {
+  const Wall wall;
+  for (const IcgmDirection direction : {IcgmDirection::kSingle, IcgmDirection::kDouble}) {
+    IcgmSlamOptions options;
+    options.robust.icgm.direction = direction;
+    AppearanceSlam slam(options, 1);
+    RandomStream noise(3, "noise");
+    const auto walk = [&] {
+      for (int second = 0; second < Wall::kSeconds; ++second) {
+        Observation observation;
+        observation.stamp_ns = second * kOneSecond_ns;  // each film begins at 0
+        observation.image = {observation.stamp_ns, wall.At(second, noise)};
+        slam.Track(observation);
+      }
+    };
+    walk();
+    slam.StopLearning();
+    const size_t links = slam.graph().links.size();
+    ASSERT_EQ(slam.tests().size(), size_t(Wall::kSeconds));
+    walk();
+    slam.Finish();
+    EXPECT_EQ(slam.tests().size(), size_t(2 * Wall::kSeconds));
+    EXPECT_EQ(slam.graph().nodes.size(), size_t(Wall::kSeconds));
+    EXPECT_EQ(slam.graph().links.size(), links);
+    int right = 0;
+    for (size_t k = size_t(Wall::kSeconds); k < slam.tests().size(); ++k) {
+      const AppearanceTest& test = slam.tests()[k];
+      EXPECT_EQ(test.first_places, Wall::kSeconds);
+      EXPECT_LT(test.place, Wall::kSeconds);
+      right += test.known && std::abs(test.place - int(k) % Wall::kSeconds) <= 1;
+    }
+    EXPECT_GE(right, Wall::kSeconds * 8 / 10);
+  }
+}
+
 TEST(AppearanceSlam, SameFramesGiveTheSameLinks) {
   const Choice choice = Choices(10).back();
   const PlaceGraph a = WalkTwice(*MakeMapper(choice)), b = WalkTwice(*MakeMapper(choice));

@@ -7,6 +7,7 @@
 
 #include "algorithms/core/errors.h"
 #include "tests/data_folder.h"
+#include "tests/error_of.h"
 #include "tests/temporary_folder.h"
 
 namespace gaitcam {
@@ -60,7 +61,8 @@ class UserRobot : public testing::Test {
 };
 
 TEST(Robot, ShippedOnesAreListedAndRead) {
-  EXPECT_THAT(ListRobots(kModels), testing::ElementsAre("khr1hv", "khr1hv_pan", "nimbro", "omni_base", "robovie_m"));
+  EXPECT_THAT(ListRobots(kModels),
+              testing::ElementsAre("handheld", "khr1hv", "khr1hv_pan", "nimbro", "omni_base", "robovie_m"));
   for (const std::string& name : ListRobots(kModels)) {
     const Robot robot = ReadRobot(name, kModels);
     EXPECT_EQ(robot.name, name);
@@ -74,6 +76,24 @@ TEST(Robot, ShippedOnesAreListedAndRead) {
     EXPECT_GE(robot.neck_pan, 0);
     EXPECT_GE(robot.neck_tilt, 0);
   }
+}
+
+TEST(Robot, OnlyJointsThatMoveSwayAndEachButOnce) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& from, const std::string& to) {
+    std::string yaml = ReadText(kModels / "robots/handheld/handheld.yaml");
+    const size_t at = yaml.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    yaml.replace(at, from.size(), to);
+    folder.Write("handheld.urdf", ReadText(kModels / "robots/handheld/handheld.urdf"));
+    const std::string file = folder.Write("mine.yaml", yaml).string();
+    return ErrorOf([&] { ReadRobot(file, kModels); });
+  };
+  EXPECT_THAT(error("{joint: hand_roll", "{joint: camera_mount"), HasSubstr("joint \"camera_mount\" is fixed"));
+  EXPECT_THAT(error("{joint: hand_roll", "{joint: hand_rol"), HasSubstr("hand_roll"));
+  EXPECT_THAT(error("{joint: hand_roll", "{joint: hand_yaw"), HasSubstr("joint \"hand_yaw\" is named twice"));
+  EXPECT_THAT(error("walk_ratio_m_s: 0.39", ""), HasSubstr("walk_ratio_m_s above 0"));
+  EXPECT_THAT(error("amplitude: 0.026", "amplitude: -0.1"), HasSubstr("amplitude"));
 }
 
 int MovingJoints(const Robot& robot) {

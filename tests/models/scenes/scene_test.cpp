@@ -70,7 +70,8 @@ class Obstacles {
 TEST(Scene, AllShippedScenesAreListed) {
   EXPECT_THAT(ListScenes(kModels),
               testing::ElementsAre("cafeteria", "corridor", "floor_trials", "hall", "lab", "lab_dim", "lab_plain",
-                                   "plain", "robocup_field", "tabletop", "twin_corridors"));
+                                   "plain", "robocup_field", "station", "station_empty", "station_evening",
+                                   "station_later", "street", "street_empty", "tabletop", "twin_corridors"));
   EXPECT_TRUE(ListScenes("/no/such/folder").empty());
 }
 
@@ -154,6 +155,68 @@ TEST(Scene, PathsOfTheShippedScenesAreFree) {
   for (double angle = 0; angle < 2 * M_PI; angle += 0.05) {
     EXPECT_FALSE(in_plain.Block({2.25 * std::sin(angle), -2.25 * std::cos(angle)}, kReach)) << angle;
   }
+}
+
+/// Where a robot goes by the corners of its path, every tenth of a metre.
+std::vector<Eigen::Vector2d> Along(const Eigen::Vector2d& start, const std::vector<Eigen::Vector2d>& corners) {
+  std::vector<Eigen::Vector2d> points;
+  Eigen::Vector2d from{0, 0};
+  for (const Eigen::Vector2d& to : corners) {
+    for (double s = 0; s <= 1; s += 0.1 / (to - from).norm()) points.push_back(start + from + s * (to - from));
+    from = to;
+  }
+  return points;
+}
+
+/// Nobody walks through what stands there; a person's shoulders are 0.45 m wide.
+void ExpectPeopleWalkFreely(const Scene& scene) {
+  const Obstacles obstacles(scene);
+  for (const PersonOptions& person : scene.people) {
+    for (size_t i = 0; i < person.path.size(); ++i) {
+      const Eigen::Vector2d& from = person.path[i == 0 ? 0 : i - 1];
+      for (double part = 0; part <= 1; part += 0.005) {
+        EXPECT_FALSE(obstacles.Block(from + part * (person.path[i] - from), 0.3))
+            << scene.name << " " << person.name << " " << person.seed;
+      }
+    }
+  }
+}
+
+TEST(Scene, TheStreetIsFreeAndItsPeopleWalkThroughNoThing) {
+  const Scene street = ReadScene("street", kModels), empty = ReadScene("street_empty", kModels);
+  const Obstacles obstacles(street);
+  for (const Eigen::Vector2d& at : Along(street.start.head<2>(), {{50, 0}, {50, 35}, {0, 35}, {0, 0}}))
+    EXPECT_FALSE(obstacles.Block(at, 0.9)) << at.transpose();  // a person, and room to sway and to cut corners
+  EXPECT_GE(street.people.size(), 10u);
+  ExpectPeopleWalkFreely(street);
+  EXPECT_TRUE(empty.people.empty());
+  EXPECT_EQ(empty.boxes.size(), street.boxes.size());
+}
+
+TEST(Scene, TheStationsFirstAndThirdRouteLookAlikeButForSomePosters) {
+  const Scene station = ReadScene("station", kModels);
+  const Obstacles obstacles(station);
+  for (const Eigen::Vector2d& at : Along(station.start.head<2>(), {{30, 0}, {30, 20}, {0, 20}}))
+    EXPECT_FALSE(obstacles.Block(at, 0.9)) << at.transpose();
+  int same = 0, other = 0;
+  for (const SceneBox& box : station.boxes) {
+    const Eigen::Vector3d& p = box.X_WB.translation;
+    if (box.name.rfind("poster", 0) != 0 || p.y() > 0 || p.x() < -16.6 || p.x() > 9.9) continue;  // of route 1
+    for (const SceneBox& twin : station.boxes) {
+      const Eigen::Vector3d apart = twin.X_WB.translation - Eigen::Vector3d(-p.x(), -p.y(), p.z());
+      if (twin.name.rfind("poster", 0) == 0 && apart.norm() < 0.01) ++(twin.texture == box.texture ? same : other);
+    }
+  }
+  EXPECT_GE(same, 8);
+  EXPECT_GE(other, 3);
+  for (const char* name : {"station", "station_later", "station_evening"}) {
+    const Scene scene = ReadScene(name, kModels);
+    EXPECT_GE(scene.people.size(), 25u) << name;
+    EXPECT_EQ(scene.boxes.size(), station.boxes.size()) << name;
+    ExpectPeopleWalkFreely(scene);
+  }
+  EXPECT_NE(ReadScene("station_later", kModels).people[0].path, station.people[0].path);
+  EXPECT_LT(ReadScene("station_evening", kModels).light, station.light);
 }
 
 TEST(Scene, PostersShowTheirPictureWhereTheyFace) {

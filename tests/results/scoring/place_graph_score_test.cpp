@@ -60,6 +60,19 @@ TEST(PlaceGraphScore, ALoopClosedAtTheCrossingIsRightAndFound) {
   EXPECT_LT(comparison.loops[0].distance_m, 0.1);
 }
 
+TEST(PlaceGraphScore, AFilmOfFewFramesIsScoredAsOneOfMany) {
+  PlaceGraph graph = Nodes({0, 20, 40, 60});
+  graph.links.push_back({3, 1, true, 100 * kSecond});
+  const Trajectory all = Along(kEight);
+  Trajectory few;
+  for (size_t i = 0; i < all.size(); i += 100) few.push_back(all[i]);  // a metre from one to the next
+  const PlaceGraphComparison comparison = ComparePlaceGraph(graph, few);
+  ASSERT_EQ(comparison.crossings.size(), 1U);
+  EXPECT_NEAR(comparison.crossings[0].return_m, 10, 0.2);
+  EXPECT_EQ(Value(comparison, "loop_returns"), 1);
+  EXPECT_EQ(Value(comparison, "loop_recall"), 1);
+}
+
 TEST(PlaceGraphScore, ALoopToAPlaceFarAwayIsFalseAndFindsNothing) {
   PlaceGraph graph = Nodes({0, 20, 40, 60});
   graph.links.push_back({3, 0, true, 100 * kSecond});

@@ -112,6 +112,14 @@ TEST_F(ExperimentProgramTest, LoopsAsksEveryMemoryAlongARecordedWalkAndLearnsFro
     EXPECT_THAT(table, HasSubstr("| walk | " + method + " | 20 | 19 | "));
   EXPECT_THAT(ReadText(File("taught.csv")),
               HasSubstr("walk,method,threshold,right,wrong,precision,recall\nwalk,\"pirf"));
+  // A later walk is asked about: all of its views, the first too, may show a place that was learned.
+  const ProgramResult later = Run(words + "--test there/walk --out later.md");
+  EXPECT_EQ(later.exit_code, 0) << later.err;
+  EXPECT_THAT(ReadText(File("later.md")), testing::ContainsRegex("\\| walk, walk \\| pirf_nav \\| 20 \\| 20 \\|"));
+  EXPECT_THAT(ReadText(File("later.md")), HasSubstr("nothing more is learned"));
+  const ProgramResult untaught = Run(words + "--test there/walk --train there/walk --train here/walk --out no.md");
+  EXPECT_EQ(untaught.exit_code, 2);  // no view is left to learn words from
+  EXPECT_EQ(Lines(untaught.err), 1) << untaught.err;
   // By default 20 s must lie between two visits.
   EXPECT_EQ(Run("loops here/walk").exit_code, 3);
 }

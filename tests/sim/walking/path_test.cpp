@@ -1,10 +1,12 @@
 #include "sim/walking/path.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "algorithms/core/units.h"
+#include "tests/error_of.h"
 
 namespace gaitcam {
 namespace {
@@ -99,6 +101,36 @@ TEST(Path, RefusesAPolylineThatLeadsNowhere) {
   EXPECT_THROW(Path(options, {}), BadOption);
   options.points = {{1, 0}, {1, 0}};
   EXPECT_THROW(Path(options, {}), BadOption);
+}
+
+TEST(Path, RoundedCornersAreArcsThatTouchBothLegs) {
+  PathOptions options;
+  options.kind = PathKind::kPolyline;
+  options.points = {{10, 0}, {10, 5}, {0, 5}};
+  options.corner_radius_m = 2;
+  const Path path(options, {RotZ(0.3), Eigen::Vector3d(1, 2, 0)});
+  EXPECT_NEAR(path.Length(), 25 - 2 * 2 * (2 - kPi / 2), kTolerance);
+  EXPECT_LT((path.goal().position - path.start() * Eigen::Vector2d(0, 5)).norm(), kTolerance);
+  PlanarPose before = path.start();
+  for (double s = 0.01; s < path.Length(); s += 0.01) {  // no turn on the spot, nor a jump
+    const PlanarPose here = path.PoseAt(s);
+    EXPECT_LT((here.position - before.position).norm(), 0.0101);
+    EXPECT_LT(std::abs(here.heading - before.heading), 0.0101 / 2);
+    before = here;
+  }
+  for (const PathSegment& segment : path.segments()) EXPECT_FALSE(segment.IsTurnOnTheSpot());
+}
+
+TEST(Path, RefusesCornersThatItsLegsAreTooShortFor) {
+  PathOptions options;
+  options.kind = PathKind::kPolyline;
+  options.points = {{3, 0}, {3, 3}, {0, 3}};
+  options.corner_radius_m = 1.6;  // the leg between has room for 1.5
+  EXPECT_THAT(ErrorOf([&] { Path(options, {}); }), testing::HasSubstr("path.corner_radius_m: 1.6"));
+  options.corner_radius_m = 1.4;
+  EXPECT_NEAR(Path(options, {}).goal().heading, kPi, kTolerance);
+  options.corner_radius_m = 0;
+  EXPECT_THAT(ErrorOf([&] { Path(options, {}); }), testing::HasSubstr("expected a length above 0"));
 }
 
 TEST(Path, RefusesAnUnknownKind) {
