@@ -326,7 +326,7 @@ double EstimateDrivingTime(const OmniDriveOptions& options, const PathOptions& p
 
 std::function<PlanarPose(double)> PlanDriving(const OmniDriveOptions& options, const PathOptions& path,
                                               const Pose& start) {
-  const auto drive = std::make_shared<const OmniDrive>(Robot{}, options, path, start);
+  const auto drive = std::make_shared<const OmniDrive>(Robot{}, options, path, start, 0);
   return [drive](double time_s) { return drive->PlannedAt(time_s); };
 }
 
