@@ -13,6 +13,7 @@ struct PlaceNode {
   int64_t stamp_ns = 0;  ///< First frame of its scan.
   size_t bytes = 0;      ///< What a robot must keep in memory to know the place again.
   cv::Mat panorama;      ///< CV_8UC1, 360 degrees wide, column 0 to the left of straight back; for people, not kept.
+  cv::Mat view{};        ///< CV_8UC1, a small picture of it, where it was seen in one view; for people, not kept.
 };
 
 struct PlaceLink {
@@ -28,7 +29,8 @@ struct PlaceTest {
   std::vector<double> posterior;   ///< Likewise; sums to 1.
   int matched = -1;                ///< The node, or -1.
   double bearing_rad = 0;          ///< Of the view's middle in the matched panorama; 0 is its middle, left is positive.
-  cv::Mat view;                    ///< CV_8UC1, what was compared: a view, or a panorama as wide as the nodes'.
+  cv::Mat
+      view;  ///< CV_8UC1, what was compared: a view, or a panorama as wide as the nodes'; small, of nodes with views.
 };
 
 struct PlaceGraph {

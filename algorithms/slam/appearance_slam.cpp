@@ -2,9 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 namespace gaitcam {
+namespace {
+
+/// For people to look at.
+cv::Mat SmallPicture(const cv::Mat& image) {
+  constexpr int kWidth = 240;
+  cv::Mat grey = image, small;
+  if (image.channels() > 1) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  const double scale = double(kWidth) / grey.cols;
+  cv::resize(grey, small, {kWidth, std::max(1, int(std::lround(scale * grey.rows)))}, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+}  // namespace
 
 AppearanceSlam::AppearanceSlam(std::unique_ptr<PlaceMemory> memory, const ViewOptions& options,
                                const RobustViewOptions& robust, uint64_t seed)
@@ -37,6 +51,7 @@ FrameEstimate AppearanceSlam::Track(const Observation& observation) {
   const cv::Mat& image = observation.image.pixels;
   Features features = DetectFeatures(*detector_, image, options_.max_features);
   estimate.features = features.size();
+  pictures_[observation.stamp_ns] = SmallPicture(image);
   for (const RobustView& view : robust_.Add(observation.stamp_ns, {image.size(), std::move(features)})) Visit(view);
   return estimate;
 }
@@ -47,11 +62,13 @@ void AppearanceSlam::Visit(const RobustView& view) {
   const PlaceAnswer answer = memory_->Ask(view.features, first_places);
   if (learns_) memory_->Add(view.features);
   tests_.push_back({view.stamp_ns, int(first_places), answer.place, answer.known, answer.confidence});
+  const auto taken = pictures_.extract(view.stamp_ns);
   if (!learns_) return;
-  graph_.nodes.push_back({view.stamp_ns, 0, {}});
+  const cv::Mat picture = taken.empty() ? cv::Mat() : taken.mapped();
+  graph_.nodes.push_back({view.stamp_ns, 0, {}, picture});
   if (place > 0) graph_.links.push_back({place - 1, place, false, view.stamp_ns});
   if (answer.known) graph_.links.push_back({place, answer.place, true, view.stamp_ns});
-  graph_.tests.push_back({view.stamp_ns, {}, {}, answer.known ? answer.place : -1, 0, {}});
+  graph_.tests.push_back({view.stamp_ns, {}, {}, answer.known ? answer.place : -1, 0, picture});
 }
 
 void AppearanceSlam::Finish() {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <opencv2/features2d.hpp>
 #include <optional>
@@ -97,6 +98,7 @@ class AppearanceSlam {
   RobustViewOptions robust_options_;
   uint64_t seed_;
   RobustViews robust_;
+  std::map<int64_t, cv::Mat> pictures_;  ///< Of views that are not ready, by stamp.
   bool learns_ = true;
   cv::Ptr<cv::Feature2D> detector_;
   std::optional<int64_t> last_ns_;  ///< The last frame that was taken for a view.

@@ -30,15 +30,21 @@ std::string Drawing(const PlaceGraphComparison& comparison, const PlaceGraph& gr
   for (const Revisit& crossing : comparison.crossings) {
     html += ground.Circle(crossing.at_m, 3.2 * ground.unit(), crossing.found ? "ring" : "ring missed");
   }
+  const double apart = 3.4 * ground.unit();  // of two numbers that can be read
+  std::vector<Vector2d> numbered;
+  for (size_t n = 0; n < comparison.nodes_m.size(); ++n) {
+    const Vector2d& p = comparison.nodes_m[n];
+    const auto covers = [&](const Vector2d& other) { return (other - p).norm() < apart; };
+    const bool is_free = std::none_of(numbered.begin(), numbered.end(), covers);
+    html += ground.Circle(p, (is_free ? 1.7 : 0.6) * ground.unit(), "node");
+    if (!is_free) continue;
+    numbered.push_back(p);
+    html += fmt::format("<text x=\"{:.3f}\" y=\"{:.3f}\" font-size=\"{:.3f}\">{}</text>", ground.x(p), ground.y(p),
+                        1.9 * ground.unit(), n);
+  }
   for (const ClosedLoop& loop : comparison.loops) {
     html += ground.Line(loop.at_m, comparison.nodes_m[size_t(loop.to)], loop.right ? "right" : "wrong");
     html += ground.Circle(loop.at_m, 0.5 * ground.unit(), loop.right ? "right" : "wrong");
-  }
-  for (size_t n = 0; n < comparison.nodes_m.size(); ++n) {
-    const Vector2d& p = comparison.nodes_m[n];
-    html += ground.Circle(p, 1.7 * ground.unit(), "node");
-    html += fmt::format("<text x=\"{:.3f}\" y=\"{:.3f}\" font-size=\"{:.3f}\">{}</text>", ground.x(p), ground.y(p),
-                        1.9 * ground.unit(), n);
   }
   return ground.Svg(html, "map");
 }
@@ -99,17 +105,23 @@ std::string LoopFigure(const ClosedLoop& loop, const PlaceTest& test, const Plac
     seen += fmt::format("<img class=\"panorama\" alt=\"panorama of place {}\" src=\"{}\">", loop.to,
                         JpegUri(around ? panorama : WithWindow(panorama, test), kPanoramaPixels));
   }
+  const cv::Mat& place = graph.nodes[size_t(loop.to)].view;
+  if (!place.empty()) seen += fmt::format("<img alt=\"place {}\" src=\"{}\">", loop.to, JpegUri(place, kViewPixels));
+  std::string caption = around ? "Above: what was seen all around, turned as it fits; then the place&rsquo;s panorama"
+                        : panorama.empty() ? "Left: the view; right: the place as it was seen"
+                                           : "Left: the view; right: the place&rsquo;s panorama with the view&rsquo;s "
+                                             "window";
   const size_t chosen = size_t(test.matched + 1);
+  if (chosen < test.posterior.size()) {
+    caption += fmt::format(
+        "; below: the posterior of &ldquo;no loop&rdquo; (grey) and of each place; the one that was matched has {:.2f}",
+        test.posterior[chosen]);
+  }
   return fmt::format(
-      "<figure><div class=\"seen{}\">{}</div>{}<figcaption><b>{} place {}</b> at {:.1f} s, {:.2f} m from it. {}; "
-      "below: "
-      "the posterior of &ldquo;no loop&rdquo; (grey) and of each place; the one that was matched has "
-      "{:.2f}.</figcaption></figure>\n",
-      around ? " around" : "", seen, Bars(test), loop.right ? "Right:" : "False:", loop.to,
-      double(loop.stamp_ns - start_ns) * 1e-9, loop.distance_m,
-      around ? "Above: what was seen all around, turned as it fits; then the place&rsquo;s panorama"
-             : "Left: the view; right: the place&rsquo;s panorama with the view&rsquo;s window",
-      chosen < test.posterior.size() ? test.posterior[chosen] : 0.0);
+      "<figure><div class=\"seen{}\">{}</div>{}<figcaption><b>{} place {}</b> at {:.1f} s, {:.2f} m from it. {}."
+      "</figcaption></figure>\n",
+      around ? " around" : "", seen, test.posterior.empty() ? "" : Bars(test),
+      loop.right ? "Right:" : "False:", loop.to, double(loop.stamp_ns - start_ns) * 1e-9, loop.distance_m, caption);
 }
 
 /// The test that closed a loop.
@@ -133,7 +145,7 @@ std::string PlaceSection(const PlaceGraphComparison& comparison, const PlaceGrap
   constexpr size_t kMaxLoops = 8;
   std::string html = "<h2>Topological map</h2>\n" +
                      Key({{"truth", "true path"},
-                          {"sim3", "places (numbered) and links between them"},
+                          {"sim3", "places (numbered where there is room) and links between them"},
                           {"green", "right loop: from where the robot was to the place it recognised"},
                           {"bad", "false loop", "dashed"},
                           {"se3", "the path crosses itself; dashed ring: not noticed"}},
@@ -152,10 +164,11 @@ std::string PlaceSection(const PlaceGraphComparison& comparison, const PlaceGrap
   return html;
 }
 
-std::string PlaceCards(const PlaceGraphComparison& comparison) {
+std::string PlaceCards(const PlaceGraphComparison& comparison, const PlaceGraph& graph) {
+  const bool around = !graph.nodes.empty() && !graph.nodes.front().panorama.empty();
   const auto count = [&](const char* name) { return ScoreText(Value(comparison, name)); };
   return Card("Places", Value(comparison, "place_nodes"), "",
-              fmt::format("seen all around, {} bytes each", count("place_node_bytes"))) +
+              fmt::format("{}{} bytes each", around ? "seen all around, " : "", count("place_node_bytes"))) +
          Card("Loops closed", Value(comparison, "loops_closed"), "",
               fmt::format("{} of them false; the path crosses itself {} times, {} noticed", count("loops_false"),
                           count("loop_crossings"), count("loop_crossings_found")));
@@ -166,7 +179,7 @@ std::string PlaceCards(const PlaceGraphComparison& comparison) {
 namespace gaitcam {
 
 ReportSection PlaceReportSection(const PlaceGraphComparison& comparison, const PlaceGraph& graph) {
-  return {internal::PlaceCards(comparison), internal::PlaceSection(comparison, graph),
+  return {internal::PlaceCards(comparison, graph), internal::PlaceSection(comparison, graph),
           std::string(internal::PageFile("report_graph.css"))};
 }
 

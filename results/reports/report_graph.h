@@ -18,6 +18,6 @@ ReportSection PlaceReportSection(const PlaceGraphComparison& comparison, const P
 namespace gaitcam::internal {
 
 std::string PlaceSection(const PlaceGraphComparison& comparison, const PlaceGraph& graph);
-std::string PlaceCards(const PlaceGraphComparison& comparison);
+std::string PlaceCards(const PlaceGraphComparison& comparison, const PlaceGraph& graph);
 
 }  // namespace gaitcam::internal

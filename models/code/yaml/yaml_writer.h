@@ -38,8 +38,8 @@ void WriteYaml(YAML::Emitter& out, const T& value);
 
 namespace internal {
 
-/// An empty list of described structs and an absent one are not written. A type with rules of its own may provide
-/// `bool SaysNothing(const T&)` in its namespace.
+/// An empty list of described structs, an absent struct and an absent number are not written. A type with rules of its
+/// own may provide `bool SaysNothing(const T&)` in its namespace.
 template <class T>
 bool SaysNothing(const T&) {
   return false;
@@ -52,6 +52,7 @@ template <Described T>
 bool SaysNothing(const std::optional<T>& value) {
   return !value;
 }
+inline bool SaysNothing(const std::optional<double>& value) { return !value; }
 
 struct YamlFieldWriter {
   YAML::Emitter& out;

@@ -123,6 +123,35 @@ TEST(ReportGraph, AViewStandsBesideThePanoramaThatItWasFoundIn) {
   EXPECT_LT(pictures[0].cols, pictures[1].cols);
 }
 
+TEST(ReportGraph, OfPlacesSeenInOneViewBothViewsAreShown) {
+  PlaceGraph graph = Graph();
+  for (PlaceNode& node : graph.nodes) {
+    node.panorama = cv::Mat();
+    node.view = cv::Mat(kHeight, 120, CV_8UC1, cv::Scalar(200));
+  }
+  graph.tests[0].view = cv::Mat(kHeight, 120, CV_8UC1, cv::Scalar(100));
+  graph.tests[0].posterior.clear();
+  const std::string html = Section(graph);
+  EXPECT_THAT(html, HasSubstr("the place as it was seen"));
+  EXPECT_THAT(html, Not(HasSubstr("posterior")));
+  const std::vector<cv::Mat> pictures = Pictures(html);
+  ASSERT_EQ(pictures.size(), 2u);
+  EXPECT_LT(cv::mean(pictures[0])[0], cv::mean(pictures[1])[0]) << "the view is left of the place";
+  const PlaceGraphComparison comparison = ComparePlaceGraph(graph, OutAndBack());
+  EXPECT_THAT(internal::PlaceCards(comparison, graph), Not(HasSubstr("all around")));
+  EXPECT_THAT(internal::PlaceCards(comparison, Graph()), HasSubstr("all around"));
+}
+
+TEST(ReportGraph, PlacesThatStandTooCloseHaveNoNumbersOfTheirOwn) {
+  PlaceGraph graph = Graph();
+  EXPECT_EQ(Count(Section(graph), "<text"), 4u);
+  for (int k = 1; k <= 20; ++k) {  // 2 mm apart
+    graph.nodes.push_back({graph.nodes.back().stamp_ns + 20'000'000, 169, {}});
+  }
+  EXPECT_EQ(Count(Section(graph), "<text"), 4u);
+  EXPECT_EQ(Count(Section(graph), "<circle class=\"node\""), 24u);
+}
+
 TEST(ReportGraph, OfManyLoopsTheFirstAreShownAndThatIsSaid) {
   EXPECT_THAT(Section(Graph(3)), Not(HasSubstr("the first")));
   const std::string html = Section(Graph(11));
