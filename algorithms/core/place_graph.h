@@ -29,8 +29,9 @@ struct PlaceTest {
   std::vector<double> posterior;   ///< Likewise; sums to 1.
   int matched = -1;                ///< The node, or -1.
   double bearing_rad = 0;          ///< Of the view's middle in the matched panorama; 0 is its middle, left is positive.
-  cv::Mat
-      view;  ///< CV_8UC1, what was compared: a view, or a panorama as wide as the nodes'; small, of nodes with views.
+  /// CV_8UC1, what was compared: a view, or a panorama as wide as the nodes'; of nodes with views a small picture of
+  /// it.
+  cv::Mat view;
 };
 
 struct PlaceGraph {

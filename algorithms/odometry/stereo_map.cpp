@@ -150,6 +150,7 @@ void StereoMap::TakeOver(const Window& window, const StereoBundleResult& result)
   const int begin = WindowBegin();
   for (size_t k = 0; k < window.problem.cameras.size(); ++k) {
     keyframes_[size_t(begin) + k] = window.problem.cameras[k].X_WC;
+    own_[size_t(begin) + k] = result.own_covariances[k];
   }
   for (size_t i = 0; i < window.landmarks.size(); ++i) {
     StereoLandmark& landmark = landmarks_[size_t(window.landmarks[i])];
@@ -186,7 +187,6 @@ void StereoMap::LearnRig(const StereoBundleResult& result) {
 void StereoMap::GrowShared(const StereoBundleResult& result) {
   const size_t newest = keyframes_.size() - 1, oldest = size_t(WindowBegin());
   if (newest == oldest) return;
-  for (size_t k = oldest; k <= newest; ++k) own_[k] = result.own_covariances[k - oldest];
   const Matrix6d& whole = result.camera_covariances.back();
   const Pose X_ON = keyframes_[oldest].Inverse() * keyframes_[newest];
   const Matrix6d grown = whole - own_[newest] - CarryCovariance(own_[oldest], X_ON);

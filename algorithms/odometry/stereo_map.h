@@ -82,10 +82,11 @@ class StereoMap {
   /// relative to the earlier one's: it grows from keyframe to keyframe, and all frames in between share it. Positive
   /// semidefinite.
   Matrix6d GrownBetween(int from, int to) const;
-  /// What a keyframe's own images add to the error of its pose, the landmarks being exact. Positive semidefinite.
-  Matrix6d OwnCovariance(int keyframe) const { return options_.points_per_error * own_[size_t(keyframe)]; }
   /// The same since the first keyframe, which is the world: of X_WK.
   Matrix6d SharedCovariance(int keyframe) const { return GrownBetween(0, keyframe); }
+  /// What a keyframe's own images add to the error of its pose, in its tangent, the landmarks being exact. Positive
+  /// semidefinite; zero where no other keyframe saw what it sees.
+  Matrix6d OwnCovariance(int keyframe) const { return options_.points_per_error * own_[size_t(keyframe)]; }
 
  private:
   struct Window;

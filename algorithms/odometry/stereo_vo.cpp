@@ -105,6 +105,7 @@ class StereoVo::Tracker {
   Pose PredictPose() const;
   SinceKeyframe CompareWithKeyframe(const Localized& found) const;
   void Extend(const StereoView& view, const Localized& found);
+  void Remember(const StampedPose& known, double turn_sigma);
   void Lose(Record& record);
   void NoteBlur();
 
@@ -124,7 +125,7 @@ class StereoVo::Tracker {
   std::optional<StereoView> keyframe_view_;  ///< Of the frame tracked last, if it became a keyframe.
 
   std::optional<StampedPose> last_;  ///< The last known pose.
-  double last_turn_sigma_ = 0;       ///< Of its rotation, by its own images, rad.
+  double last_turn_sigma_ = 0;       ///< Of its rotation, by its own images, rad; 0: a map begins there.
   int lost_frames_ = 0;
   std::deque<double> blurs_;    ///< Spread of the turn over the exposure, of the latest frames.
   bool is_sharp_ = true;        ///< The present frame is among the sharper ones of these.
@@ -183,9 +184,7 @@ bool StereoVo::Tracker::Begin(const StereoView& view, Record& record) {
   record.answer.own_covariance = record.unknown_motion;
   record.answer.covariance = map_.SharedCovariance(record.keyframe) + record.unknown_motion;
   live_ = final_ = {X_WC, {}};
-  last_ = {record.answer.stamp_ns, X_WC};
-  motion_.AddPose(record.answer.stamp_ns, X_WC);
-  lost_frames_ = 0;
+  Remember({record.answer.stamp_ns, X_WC}, 0);
   return true;
 }
 
@@ -204,10 +203,7 @@ bool StereoVo::Tracker::Localize(const StereoView& view, Record& record) {
     record.sightings.emplace_back(found->matches[m].landmark, sighting);
   }
   Answer(found->result, landmarks, live_, record);
-  last_ = {record.answer.stamp_ns, X_WC};
-  last_turn_sigma_ = LargestSigma(record.answer.own_covariance->bottomRightCorner<3, 3>());
-  motion_.AddPose(record.answer.stamp_ns, X_WC);
-  lost_frames_ = 0;
+  Remember({record.answer.stamp_ns, X_WC}, LargestSigma(record.answer.own_covariance->bottomRightCorner<3, 3>()));
   Extend(view, *found);
   return true;
 }
@@ -297,6 +293,13 @@ void StereoVo::Tracker::NoteBlur() {
   if (blurs_.size() > kFrames) blurs_.pop_front();
   const auto sharper = std::count_if(blurs_.begin(), blurs_.end(), [&](double other) { return other < blur; });
   is_sharp_ = double(sharper) <= kSharpShare * double(blurs_.size());
+}
+
+void StereoVo::Tracker::Remember(const StampedPose& known, double turn_sigma) {
+  last_ = known;
+  last_turn_sigma_ = turn_sigma;
+  motion_.AddPose(known.stamp_ns, known.pose);
+  lost_frames_ = 0;
 }
 
 void StereoVo::Tracker::Lose(Record& record) {

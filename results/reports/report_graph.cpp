@@ -107,10 +107,9 @@ std::string LoopFigure(const ClosedLoop& loop, const PlaceTest& test, const Plac
   }
   const cv::Mat& place = graph.nodes[size_t(loop.to)].view;
   if (!place.empty()) seen += fmt::format("<img alt=\"place {}\" src=\"{}\">", loop.to, JpegUri(place, kViewPixels));
-  std::string caption = around ? "Above: what was seen all around, turned as it fits; then the place&rsquo;s panorama"
-                        : panorama.empty() ? "Left: the view; right: the place as it was seen"
-                                           : "Left: the view; right: the place&rsquo;s panorama with the view&rsquo;s "
-                                             "window";
+  std::string caption = "Left: the view; right: the place&rsquo;s panorama with the view&rsquo;s window";
+  if (panorama.empty()) caption = "Left: the view; right: the place as it was seen";
+  if (around) caption = "Above: what was seen all around, turned as it fits; then the place&rsquo;s panorama";
   const size_t chosen = size_t(test.matched + 1);
   if (chosen < test.posterior.size()) {
     caption += fmt::format(

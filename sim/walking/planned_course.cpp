@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "algorithms/core/pose.h"
 #include "sim/walking/footsteps.h"
 
 namespace gaitcam {
@@ -22,7 +23,7 @@ PlannedCourse PlanWalking(const GaitOptions& gait, const PathOptions& path, cons
     const size_t i = std::min(size_t(at), centers.size() - 1), next = std::min(i + 1, centers.size() - 1);
     const double part = at - double(i);
     return PlanarPose(centers[i].position + part * (centers[next].position - centers[i].position),
-                      centers[i].heading + part * (centers[next].heading - centers[i].heading));
+                      centers[i].heading + part * WrapAngle(centers[next].heading - centers[i].heading));
   };
 }
 
