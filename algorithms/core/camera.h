@@ -57,11 +57,22 @@ struct StandingCamera {
   Eigen::Vector3d up_C = -Eigen::Vector3d::UnitY();  ///< The floor's upward normal, in the (left) camera's frame.
 };
 
+/// How wrong a calibration of lenses may be, as the bench that made it says: standard deviations of errors that are the
+/// same in all images. Zero: exact.
+struct LensUncertainty {
+  double focal = 0;        ///< Of the focal length, a part of it; of a rig, of both alike.
+  double centre_px = 0;    ///< Of each coordinate of the principal point, likewise.
+  double right_focal = 0;  ///< Of the right focal length beside what both are off alike.
+
+  bool IsExact() const { return focal == 0 && centre_px == 0 && right_focal == 0; }
+};
+
 /// What a SLAM system is told about the sensors: everything that a calibration would yield, and nothing more.
 struct Calibration {
   CameraModel camera;                ///< Left, or the only one.
   std::optional<CameraModel> right;  ///< Present for a stereo rig.
   Pose X_LR;                         ///< Maps points of the right camera into the left one.
+  LensUncertainty lens;
   bool has_depth = false;
   double frame_rate_hz = 0;
   double readout_ms = 0;  ///< Rolling shutter: from the first row's exposure to the last row's; 0: global shutter.

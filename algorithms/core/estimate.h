@@ -35,6 +35,10 @@ struct FrameEstimate {
   /// The part of `covariance` that this frame's own measurements bring and no other frame shares; absent: unknown, or
   /// none. What two frames share cancels in the motion between them, and this does not. Never without `covariance`.
   std::optional<Matrix6d> own_covariance;
+  /// 6 x m, what errors that stay the same over the whole run (of a calibration) do to the pose: a column for one
+  /// standard deviation of each, in the same order in all frames. G G^T of it is a part of `covariance` as well. In the
+  /// motion between two frames their difference counts. 6 x 0: none. Never without `own_covariance`.
+  CommonErrors common_errors;
   /// The pose is of so much later than the frame's stamp: an external program stamps its poses as it likes.
   int64_t pose_delay_ns = 0;
   bool restarted = false;  ///< The system says that it chose W or its scale anew at this frame. No score depends on it.

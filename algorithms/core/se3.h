@@ -21,6 +21,8 @@ namespace gaitcam {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
+/// Columns of tangents, one per error.
+using CommonErrors = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 /// [v]x: Hat(v) u = v x u.
 inline Eigen::Matrix3d Hat(const Eigen::Vector3d& v) {

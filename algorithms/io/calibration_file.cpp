@@ -312,6 +312,18 @@ std::string VslamlabCamera(const Calibration& calibration, bool right, const std
          "\n    fps: " + ExactText(calibration.frame_rate_hz) + "\n    T_BS: " + Flat(X_BS) + "\n";
 }
 
+LensUncertainty ReadLens(const YamlMap& map) {
+  map.RejectUnknown({"focal", "centre_px", "right_focal"});
+  LensUncertainty lens;
+  for (const auto& [key, member] :
+       {std::pair{"focal", &lens.focal}, {"centre_px", &lens.centre_px}, {"right_focal", &lens.right_focal}}) {
+    if (!map.Has(key)) continue;
+    *member = map.Number(key);
+    if (*member < 0) map.Fail(key, "expected a standard deviation of at least 0");
+  }
+  return lens;
+}
+
 }  // namespace
 
 std::string CalibrationText(const Calibration& calibration) {
@@ -330,6 +342,11 @@ std::string CalibrationText(const Calibration& calibration) {
   const std::vector<double*> members = ImuMembers(imu);
   for (size_t i = 0; i < members.size(); ++i) text += "  " + kImuNumbers[i] + ": " + ExactText(*members[i]) + "\n";
   text += PoseText("  ", "X_CI", imu.X_CI);
+  if (const LensUncertainty& lens = calibration.lens; !lens.IsExact()) {
+    text += "lens:  # one standard deviation: a part of the focal length; px of the principal point's coordinates\n";
+    text += "  focal: " + ExactText(lens.focal) + "\n  centre_px: " + ExactText(lens.centre_px) +
+            "\n  right_focal: " + ExactText(lens.right_focal) + "\n";
+  }
   if (!calibration.standing) return text;
   const Eigen::Vector3d& up = calibration.standing->up_C;
   return text + "standing:  # over the soles, ready to walk\n  height_m: " + ExactText(calibration.standing->height_m) +
@@ -338,7 +355,7 @@ std::string CalibrationText(const Calibration& calibration) {
 
 Calibration ReadCalibration(const std::filesystem::path& file) {
   const YamlMap map(file);
-  map.RejectUnknown({"camera", "right", "X_LR", "has_depth", "frame_rate_hz", "readout_ms", "imu", "standing"});
+  map.RejectUnknown({"camera", "right", "X_LR", "has_depth", "frame_rate_hz", "readout_ms", "imu", "standing", "lens"});
   Calibration calibration;
   calibration.camera = ReadCamera(map.Map("camera"));
   if (map.Has("right")) {
@@ -351,6 +368,7 @@ Calibration ReadCalibration(const std::filesystem::path& file) {
     calibration.readout_ms = map.Number("readout_ms");
     if (calibration.readout_ms < 0) map.Fail("readout_ms", "expected a time of at least 0 ms");
   }
+  if (map.Has("lens")) calibration.lens = ReadLens(map.Map("lens"));
   if (map.Has("imu")) calibration.imu = ReadImu(map.Map("imu"));
   if (map.Has("standing")) calibration.standing = ReadStanding(map.Map("standing"));
   return calibration;

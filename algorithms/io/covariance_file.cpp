@@ -1,5 +1,8 @@
 #include "algorithms/io/covariance_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <string>
 
 #include "algorithms/core/errors.h"
@@ -15,6 +18,14 @@ std::string ColumnNames(char letter) {
   std::string names;
   for (int row = 1; row <= 6; ++row) {
     for (int col = row; col <= 6; ++col) names += "," + (letter + std::to_string(row)) + std::to_string(col);
+  }
+  return names;
+}
+
+std::string CommonNames(Eigen::Index errors) {
+  std::string names;
+  for (Eigen::Index error = 1; error <= errors; ++error) {
+    for (int row = 1; row <= 6; ++row) names += fmt::format(",g{}{}", error, row);
   }
   return names;
 }
@@ -52,15 +63,19 @@ std::filesystem::path CovarianceFileOf(const std::filesystem::path& trajectory) 
 bool WriteCovariances(const std::filesystem::path& file, const std::vector<FrameEstimate>& frames) {
   std::string rows;
   bool any_own = false;
+  Eigen::Index common = 0;
   for (const FrameEstimate& frame : frames) {
     if (!frame.covariance) continue;
     rows += std::to_string(frame.stamp_ns) + UpperTriangle(*frame.covariance);
     if (frame.own_covariance) rows += UpperTriangle(*frame.own_covariance);
+    for (const double number : frame.common_errors.reshaped()) rows += "," + ExactText(number);
+    common = std::max(common, frame.common_errors.cols());
     any_own |= frame.own_covariance.has_value();
     rows += "\n";
   }
   if (rows.empty()) return false;
-  WriteWholeFile(file, "#stamp_ns" + ColumnNames('c') + (any_own ? ColumnNames('o') : "") + "\n" + rows);
+  WriteWholeFile(
+      file, "#stamp_ns" + ColumnNames('c') + (any_own ? ColumnNames('o') : "") + CommonNames(common) + "\n" + rows);
   return true;
 }
 
@@ -75,6 +90,12 @@ std::vector<StampedCovariance> ReadCovariances(const std::filesystem::path& file
     constexpr size_t kNumbers = 21;
     entry.covariance = ReadUpperTriangle(table, 1);
     if (table.size() > 1 + kNumbers) entry.own_covariance = ReadUpperTriangle(table, 1 + kNumbers);
+    for (size_t column = 1 + 2 * kNumbers; column < table.size(); column += 6) {
+      entry.common_errors.conservativeResize(6, entry.common_errors.cols() + 1);
+      for (size_t row = 0; row < 6; ++row) {
+        entry.common_errors(long(row), entry.common_errors.cols() - 1) = table.Number(column + row, "an error");
+      }
+    }
     covariances.push_back(entry);
   }
   return covariances;

@@ -4,7 +4,8 @@
 ///
 /// the upper triangle row by row (21 numbers) of the covariance of tau = (rho_x, rho_y, rho_z, phi_x, phi_y, phi_z) in
 /// X_WC Exp(tau): rho in the unit of the trajectory, phi in rad, both along the camera's axes. Where a system says it,
-/// 21 more follow, o11 to o66: the part of it that is the frame's own (FrameEstimate::own_covariance).
+/// 21 more follow, o11 to o66: the part of it that is the frame's own (FrameEstimate::own_covariance). After
+/// these come six for each error that is the same in all frames, g11 to g16, g21 to ... (FrameEstimate::common_errors).
 
 #pragma once
 
@@ -28,10 +29,11 @@ struct StampedCovariance {
   int64_t stamp_ns = 0;
   Matrix6d covariance = Matrix6d::Zero();
   std::optional<Matrix6d> own_covariance;
+  CommonErrors common_errors;
 };
 
 /// @throws BadInput naming file, line and what is wrong: not a number, stamps that do not increase, a row of
-/// fewer than 22, or of 23 to 42 fields.
+/// fewer than 22, or of 23 to 42 fields, or of another number beyond 43 than six per error.
 std::vector<StampedCovariance> ReadCovariances(const std::filesystem::path& file);
 
 }  // namespace gaitcam

@@ -82,6 +82,7 @@ void StereoMap::AddKeyframe(const StereoView& view, const Pose& X_WC, const std:
   }
   AddLandmarks(view, X_WC, matches);
   Adjust();
+  GrowLensErrors();
   RetireUnseen();
 }
 
@@ -199,6 +200,49 @@ Matrix6d StereoMap::GrownBetween(int from, int to) const {
   for (int k = from + 1; k <= to; ++k)
     sum += CarryCovariance(grown_[size_t(k)], (X_TW * keyframes_[size_t(k)]).Inverse());
   return sum;
+}
+
+LensErrors StereoMap::LensErrorsBetween(int from, int to) const {
+  LensErrors errors = LensErrors::Zero();
+  for (int k = from + 1; k <= to; ++k) {
+    const Pose step = keyframes_[size_t(k - 1)].Inverse() * keyframes_[size_t(k)];
+    errors = ChainLensErrors(errors, step, lens_errors_[size_t(k)]);
+  }
+  return errors;
+}
+
+LensErrors StereoMap::LensErrorsSince(const std::vector<std::pair<int, RigSighting>>& sightings,
+                                      const Pose& X_KC) const {
+  return LensErrorsOfStep(int(keyframes_.size()) - 1, sightings, X_KC);
+}
+
+LensErrors StereoMap::LensErrorsOfStep(int from, const std::vector<std::pair<int, RigSighting>>& sightings,
+                                       const Pose& X_FT) const {
+  if (options_.lens.IsExact()) return LensErrors::Zero();
+  PointsInBoth points;
+  for (const auto& [landmark, images] : sightings) {
+    if (!images.has_right) continue;
+    for (const StereoObservation& seen : landmarks_[size_t(landmark)].observations) {
+      if (seen.keyframe != from || !seen.images.has_right) continue;
+      points.A.push_back(seen.images);
+      points.B.push_back(images);
+    }
+  }
+  return LensErrorsOfMotion(points, rig_, X_FT, options_.lens);
+}
+
+void StereoMap::GrowLensErrors() {
+  lens_errors_.push_back(LensErrors::Zero());
+  const int newest = int(keyframes_.size()) - 1;
+  if (newest == first_keyframe_ || options_.lens.IsExact()) return;
+  std::vector<std::pair<int, RigSighting>> sightings;
+  for (const int l : active_) {
+    const auto& observations = landmarks_[size_t(l)].observations;
+    if (observations.empty() || observations.back().keyframe != newest) continue;
+    sightings.emplace_back(l, observations.back().images);
+  }
+  const Pose step = keyframes_[size_t(newest - 1)].Inverse() * keyframes_[size_t(newest)];
+  lens_errors_.back() = LensErrorsOfStep(newest - 1, sightings, step);
 }
 
 /// Its distance from the camera is known to a part of it: observations that were given up may leave too few.

@@ -6,10 +6,12 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <utility>
 #include <vector>
 
 #include "algorithms/core/pose.h"
 #include "algorithms/core/se3.h"
+#include "algorithms/geometry/lens_errors.h"
 #include "algorithms/geometry/rig_pose.h"
 #include "algorithms/geometry/stereo_bundle.h"
 #include "algorithms/odometry/stereo_view.h"
@@ -44,6 +46,7 @@ struct StereoMapOptions {
   double outlier_sigmas = 3.5;
   double points_per_error = 1;  ///< Points whose errors hang together so that they count as one.
   double rig_rotation_deg = 0;  ///< Standard deviation of X_LR's rotation as calibrated, per axis; 0: exact.
+  LensUncertainty lens;
 };
 
 class StereoMap {
@@ -87,6 +90,11 @@ class StereoMap {
   /// What a keyframe's own images add to the error of its pose, in its tangent, the landmarks being exact. Positive
   /// semidefinite; zero where no other keyframe saw what it sees.
   Matrix6d OwnCovariance(int keyframe) const { return options_.points_per_error * own_[size_t(keyframe)]; }
+  /// What the lenses' calibration does to the motion between two keyframes, beside all covariances.
+  LensErrors LensErrorsBetween(int from, int to) const;
+  /// The same of the motion from the newest keyframe to a frame.
+  /// @param sightings of landmarks, as (landmark, images)
+  LensErrors LensErrorsSince(const std::vector<std::pair<int, RigSighting>>& sightings, const Pose& X_KC) const;
 
  private:
   struct Window;
@@ -96,6 +104,9 @@ class StereoMap {
   void RemoveOutliers(const Window& window, const StereoBundleResult& result);
   void LearnRig(const StereoBundleResult& result);
   void GrowShared(const StereoBundleResult& result);
+  void GrowLensErrors();
+  LensErrors LensErrorsOfStep(int from, const std::vector<std::pair<int, RigSighting>>& sightings,
+                              const Pose& X_FT) const;
   void AddLandmarks(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches);
   bool IsKnown(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& covariance) const;
   void RetireUnseen();
@@ -106,9 +117,10 @@ class StereoMap {
   Matrix6d rig_covariance_;  ///< Of prior_X_LR_.
   int prior_keyframe_ = 0;   ///< Whose window the prior came from.
   std::vector<Pose> keyframes_;
-  std::vector<Matrix6d> grown_;  ///< Of each keyframe, what came between the one before and it.
-  std::vector<Matrix6d> own_;    ///< Of each keyframe, the error of its own images.
-  int first_keyframe_ = 0;       ///< Of the present map.
+  std::vector<Matrix6d> grown_;          ///< Of each keyframe, what came between the one before and it.
+  std::vector<Matrix6d> own_;            ///< Of each keyframe, the error of its own images.
+  std::vector<LensErrors> lens_errors_;  ///< Of each keyframe, of the motion from the one before it.
+  int first_keyframe_ = 0;               ///< Of the present map.
   std::vector<StereoLandmark> landmarks_;
   std::vector<int> active_;  ///< Those that are not retired.
 };

@@ -19,8 +19,9 @@ namespace {
 /// A pose that is turned by more than this is not known.
 constexpr double kTurnKnown_rad = 0.05;
 
-StereoMapOptions MapOptions(const StereoVoOptions& o) {
+StereoMapOptions MapOptions(const StereoVoOptions& o, const LensUncertainty& lens) {
   StereoMapOptions options;
+  options.lens = lens;
   options.window = o.window;
   options.adjust_iterations = o.adjust_iterations;
   constexpr double kSlack = 0.5;  // what a pose was estimated from is not removed at once
@@ -69,7 +70,8 @@ class StereoVo::Tracker {
         random_(seed, "stereo_vo"),
         motion_(calibration.imu, options.use_imu),
         policy_(options.policy, options.min_inliers),
-        map_(rig_, MapOptions(options)) {
+        lens_(calibration.lens),
+        map_(rig_, MapOptions(options, lens_)) {
     pose_options_.outlier_sigmas = options.outlier_sigmas;
   }
 
@@ -85,6 +87,7 @@ class StereoVo::Tracker {
     FrameEstimate answer;
     int keyframe = -1;  ///< The latest when it was tracked; -1: no pose.
     Pose X_KC;
+    LensErrors lens_errors = LensErrors::Zero();  ///< Of X_KC.
     Matrix6d unknown_motion = Matrix6d::Zero();
     double residuals_share = 1;
     std::vector<std::pair<int, RigSighting>> sightings;  ///< By landmark; the landmarks' positions are looked up.
@@ -111,6 +114,7 @@ class StereoVo::Tracker {
 
   void Answer(const RigPoseResult& result, const std::vector<int>& landmarks, LandmarkGains& before,
               Record& record) const;
+  void SayCovariance(const Matrix6d& own, const Pose& X_KC, Record& record) const;
   void FinishBefore(int keyframe);
   void FinishRecord(Record& record);
 
@@ -121,6 +125,7 @@ class StereoVo::Tracker {
   RandomStream random_;
   ExposureMotion motion_;
   KeyframePolicy policy_;
+  LensUncertainty lens_;
   StereoMap map_;
   std::optional<StereoView> keyframe_view_;  ///< Of the frame tracked last, if it became a keyframe.
 
@@ -181,8 +186,7 @@ bool StereoVo::Tracker::Begin(const StereoView& view, Record& record) {
   record.answer.restarted = record.keyframe > 0;
   const Pose X_WC = map_.keyframes().back();
   record.answer.pose = X_WC;
-  record.answer.own_covariance = record.unknown_motion;
-  record.answer.covariance = map_.SharedCovariance(record.keyframe) + record.unknown_motion;
+  SayCovariance(record.unknown_motion, {}, record);
   live_ = final_ = {X_WC, {}};
   Remember({record.answer.stamp_ns, X_WC}, 0);
   return true;
@@ -202,6 +206,7 @@ bool StereoVo::Tracker::Localize(const StereoView& view, Record& record) {
     sighting.has_right &= found->result.use[m] == SightingUse::kBoth;
     record.sightings.emplace_back(found->matches[m].landmark, sighting);
   }
+  record.lens_errors = map_.LensErrorsSince(record.sightings, record.X_KC);
   Answer(found->result, landmarks, live_, record);
   Remember({record.answer.stamp_ns, X_WC}, LargestSigma(record.answer.own_covariance->bottomRightCorner<3, 3>()));
   Extend(view, *found);
@@ -322,14 +327,23 @@ void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<in
   constexpr double kOfTwoFrames = 0.5, kLeastShare = 0.1;
   const Matrix6d modelled = result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(before, now, map_.landmarks());
   const Matrix6d own = record.residuals_share * result.covariance_by_residuals + kLeastShare * modelled;
-  const Pose X_KC = map_.keyframes()[size_t(record.keyframe)].Inverse() * result.X_WC;
   FrameEstimate& answer = record.answer;
   answer.status = TrackingStatus::kTracking;
   answer.pose = result.X_WC;
   answer.inliers = result.inliers;
-  answer.own_covariance = own + record.unknown_motion;
-  answer.covariance = *answer.own_covariance + CarryCovariance(map_.SharedCovariance(record.keyframe), X_KC);
+  const Pose X_KC = map_.keyframes()[size_t(record.keyframe)].Inverse() * result.X_WC;
+  SayCovariance(own + record.unknown_motion, X_KC, record);
   before = std::move(now);
+}
+
+/// The frame's own, what it shares with its neighbours, and what the lenses' calibration does to all frames.
+void StereoVo::Tracker::SayCovariance(const Matrix6d& own, const Pose& X_KC, Record& record) const {
+  FrameEstimate& answer = record.answer;
+  answer.own_covariance = own;
+  answer.covariance = own + CarryCovariance(map_.SharedCovariance(record.keyframe), X_KC);
+  if (lens_.IsExact()) return;
+  answer.common_errors = ChainLensErrors(map_.LensErrorsBetween(0, record.keyframe), X_KC, record.lens_errors);
+  *answer.covariance += answer.common_errors * answer.common_errors.transpose();
 }
 
 /// Frames whose keyframe can move no more get their final pose; what they saw is no longer needed.

@@ -123,7 +123,8 @@ std::vector<PoseSlam::Candidate> PoseSlam::Candidates() const {
     const double apart_m = candidate.X_FT.translation.norm();
     const double apart_rad = RotationAngle(Eigen::Quaterniond::Identity(), candidate.X_FT.rotation);
     if (apart_m > kFarAway * options_.near_m) continue;
-    candidate.covariance = covariances.Between(node, newest);
+    const LensErrors common = odometry_.map().LensErrorsBetween(keyframes_[size_t(node)], keyframes_.back());
+    candidate.covariance = covariances.Between(node, newest) + common * common.transpose();
     const double sigma_m = LargestSigma(candidate.covariance.topLeftCorner<3, 3>());
     const double sigma_rad = LargestSigma(candidate.covariance.bottomRightCorner<3, 3>());
     if (apart_m > options_.near_m + kSigmas * sigma_m) continue;
@@ -190,7 +191,8 @@ FrameEstimate PoseSlam::Corrected(const FrameEstimate& odometry, int keyframe) c
   answer.pose = X_WV * *answer.pose;
   if (!answer.own_covariance) return answer;
   answer.covariance = CarryCovariance(node.covariance, X_NC) +
-                      CarryCovariance(map.GrownBetween(node_keyframe, keyframe), X_KC) + *answer.own_covariance;
+                      CarryCovariance(map.GrownBetween(node_keyframe, keyframe), X_KC) + *answer.own_covariance +
+                      answer.common_errors * answer.common_errors.transpose();
   return answer;
 }
 

@@ -129,10 +129,11 @@ std::vector<PosePair> AssociatePoses(const std::vector<FrameEstimate>& answer, c
     std::optional<Pose> there;
     if (options.rule == AssociationRule::kInterpolated) there = SmoothPoseAt(truth, stamp_ns, max_gap_ns);
     if (there) {
-      pairs.push_back({stamp_ns, *there, *frame.pose, frame.covariance, frame.own_covariance});
+      pairs.push_back({stamp_ns, *there, *frame.pose, frame.covariance, frame.own_covariance, frame.common_errors});
     } else if (partner[i] >= 0) {
       const StampedPose& nearest = truth[size_t(partner[i])];
-      pairs.push_back({nearest.stamp_ns, nearest.pose, *frame.pose, frame.covariance, frame.own_covariance});
+      pairs.push_back(
+          {nearest.stamp_ns, nearest.pose, *frame.pose, frame.covariance, frame.own_covariance, frame.common_errors});
     }
   }
   return pairs;

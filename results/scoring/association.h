@@ -67,6 +67,7 @@ struct PosePair {
   Pose estimate;                                          ///< X_VC, V being the estimator's world.
   std::optional<Matrix6d> covariance;                     ///< FrameEstimate::covariance.
   std::optional<Matrix6d> own_covariance = std::nullopt;  ///< FrameEstimate::own_covariance.
+  CommonErrors common_errors = {};                        ///< FrameEstimate::common_errors.
 };
 
 /// Pairs an answer's poses with the truth's. "interpolated": each pose with the truth at its own instant

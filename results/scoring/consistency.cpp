@@ -18,14 +18,27 @@ std::optional<double> Nees(const Vector6d& error, const Matrix6d& covariance) {
   return error.dot(cholesky.solve(error)) / 6;
 }
 
+/// Without what errors common to all frames add to it.
+Matrix6d CovarianceApart(const PosePair& pair) {
+  return *pair.covariance - pair.common_errors * pair.common_errors.transpose();
+}
+
+/// What errors common to both poses add to the motion between them.
+Matrix6d CovarianceInCommon(const PosePair& before, const PosePair& to, const Pose& estimate) {
+  if (before.common_errors.cols() != to.common_errors.cols()) return Matrix6d::Zero();
+  const CommonErrors difference = to.common_errors - Adjoint(estimate.Inverse()) * before.common_errors;
+  return difference * difference.transpose();
+}
+
 /// What the earlier pose has of its own is not part of the later one's: it is added instead of being taken away.
 std::optional<double> NeesOfMotion(const PosePair& before, const PosePair& to) {
   if (!to.covariance || !before.covariance) return std::nullopt;
   const Pose truth = before.truth.Inverse() * to.truth;
   const Pose estimate = before.estimate.Inverse() * to.estimate;
-  Matrix6d shared = *before.covariance;
+  Matrix6d shared = CovarianceApart(before);
   if (before.own_covariance) shared -= 2 * *before.own_covariance;
-  return Nees(LogSe3(estimate.Inverse() * truth), *to.covariance - CarryCovariance(shared, estimate));
+  return Nees(LogSe3(estimate.Inverse() * truth),
+              CovarianceApart(to) - CarryCovariance(shared, estimate) + CovarianceInCommon(before, to, estimate));
 }
 
 }  // namespace
@@ -47,7 +60,8 @@ std::vector<NeesSample> AbsoluteNees(const std::vector<PosePair>& pairs) {
     }
     const Pose truth = first->truth.Inverse() * pair.truth;
     const Pose estimate = first->estimate.Inverse() * pair.estimate;
-    const Matrix6d covariance = *pair.covariance + CarryCovariance(*first->covariance, estimate);
+    const Matrix6d covariance = CovarianceApart(pair) + CarryCovariance(CovarianceApart(*first), estimate) +
+                                CovarianceInCommon(*first, pair, estimate);
     if (const auto nees = Nees(LogSe3(estimate.Inverse() * truth), covariance)) {
       samples.push_back({pair.stamp_ns, *nees});
     }

@@ -31,8 +31,9 @@ struct NeesSample {
 };
 
 /// Of every pose that has a covariance. The estimator's world is put where the truth has it at the first such pose, and
-/// the error of that placing, which is that pose's own covariance moved to the present one, is added. Lengths are taken
-/// as they are given: a system that does not know its scale must say so by its covariance.
+/// the error of that placing, which is that pose's own covariance moved to the present one, is added; of errors that
+/// are common to both poses the difference counts. Lengths are taken as they are given: a system that does not know its
+/// scale must say so by its covariance.
 std::vector<NeesSample> AbsoluteNees(const std::vector<PosePair>& pairs);
 
 /// Of the motion over `seconds` up to each such pose. What two poses share cancels: the covariance of the motion is

@@ -43,6 +43,7 @@ CalibrationError DrawCalibrationError(const CalibrationErrorOptions& o, const Ro
     return Eigen::Vector3d(xy.x(), xy.y(), draw(sigma));
   };
   CalibrationError error;
+  error.lens = {0.01 * o.focal_pct, o.centre_px, 0.01 * o.right_focal_pct};
   error.focal_pct = draw(o.focal_pct);
   error.centre_px = draw2(o.centre_px);
   error.distortion_px = draw(o.distortion_px);
@@ -73,6 +74,7 @@ Calibration Miscalibrated(Calibration calibration, const CalibrationError& error
     camera.cy += error.centre_px.y();
     if (error.distortion_px != 0) Distort(camera, error.distortion_px);
   };
+  calibration.lens = error.lens;
   tell(calibration.camera);
   if (calibration.right) {
     tell(*calibration.right);  // the lenses of a rig are calibrated together: alike, and a little apart

@@ -25,6 +25,7 @@ namespace gaitcam {
 /// One draw of every error; the defaults change nothing.
 struct CalibrationError {
   using DescribedTag = void;
+  LensUncertainty lens;  ///< What the bench says of its own errors.
   double focal_pct = 0;
   Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
   double distortion_px = 0;

@@ -53,6 +53,7 @@ Json JsonOf(const Calibration& c) {
   Json json{{"camera", JsonOf(c.camera)}};
   if (c.right) json["right"] = JsonOf(*c.right);
   json["X_LR"] = JsonOf(c.X_LR);
+  json["lens"] = {{"focal", c.lens.focal}, {"centre_px", c.lens.centre_px}, {"right_focal", c.lens.right_focal}};
   json["has_depth"] = c.has_depth;
   json["frame_rate_hz"] = c.frame_rate_hz;
   json["readout_ms"] = c.readout_ms;
@@ -116,6 +117,8 @@ Calibration CalibrationOf(const Json& json) {
   c.camera = CameraOf(json.at("camera"));
   if (json.contains("right")) c.right = CameraOf(json.at("right"));
   c.X_LR = PoseOf(json.at("X_LR"), "X_LR");
+  const Json& lens = json.at("lens");
+  c.lens = {lens.at("focal"), lens.at("centre_px"), lens.at("right_focal")};
   c.has_depth = json.at("has_depth");
   c.frame_rate_hz = json.at("frame_rate_hz");
   c.readout_ms = json.at("readout_ms");
@@ -176,11 +179,24 @@ Matrix6d CovarianceOf(const Json& json, const char* name) {
   return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values.data());
 }
 
+CommonErrors CommonErrorsOf(const Json& json) {
+  if (!json.is_array()) throw BadInput("common_errors: expected a list of lists of 6 finite numbers");
+  CommonErrors errors(6, long(json.size()));
+  for (size_t i = 0; i < json.size(); ++i) {
+    errors.col(long(i)) = Eigen::Map<const Vector6d>(Numbers(json[i], 6, "common_errors").data());
+  }
+  return errors;
+}
+
 Json JsonOf(const FrameEstimate& frame) {
   Json json{{"status", ToString(frame.status)}};
   if (frame.pose) json["pose"] = JsonOf(*frame.pose);
   if (frame.covariance) json["covariance"] = JsonOf(*frame.covariance);
   if (frame.own_covariance) json["own_covariance"] = JsonOf(*frame.own_covariance);
+  for (const auto& error : frame.common_errors.colwise()) {
+    json["common_errors"].push_back(std::vector<double>(error.begin(), error.end()));
+  }
+  if (frame.predicted) json["predicted"] = JsonOf(*frame.predicted);
   if (frame.restarted) json["restarted"] = true;
   json["features"] = frame.features;
   json["inliers"] = frame.inliers;
@@ -208,6 +224,12 @@ FrameEstimate EstimateOf(const Json& json, int64_t stamp_ns) {
       if (!frame.covariance) throw BadInput("own_covariance is a part of covariance, which is not there");
       frame.own_covariance = CovarianceOf(json.at("own_covariance"), "own_covariance");
     }
+    if (json.contains("common_errors")) {
+      if (!frame.own_covariance) throw BadInput("common_errors need an own_covariance beside them");
+      frame.common_errors = CommonErrorsOf(json.at("common_errors"));
+    }
+  } else if (json.contains("predicted")) {
+    frame.predicted = PoseOf(json.at("predicted"), "predicted");
   }
   frame.restarted = json.value("restarted", false);
   frame.features = json.value("features", 0);

@@ -39,12 +39,14 @@ TEST_F(CovarianceFile, SaysWhatIsAFramesOwnWhereItIsKnown) {
   frames[1].stamp_ns = 7;
   frames[0].covariance = frames[1].covariance = SomeCovariance(1);
   frames[1].own_covariance = SomeCovariance(0.1);
+  frames[1].common_errors = CommonErrors::Random(6, 2);
   ASSERT_TRUE(WriteCovariances(folder_ / "covariances.csv", frames));
   const std::vector<StampedCovariance> read = ReadCovariances(folder_ / "covariances.csv");
   ASSERT_EQ(read.size(), 2u);
   EXPECT_FALSE(read[0].own_covariance);
   ASSERT_TRUE(read[1].own_covariance);
   EXPECT_EQ(*read[1].own_covariance, *frames[1].own_covariance);
+  EXPECT_EQ(read[1].common_errors, frames[1].common_errors);
 }
 
 TEST_F(CovarianceFile, IsNotWrittenWhereNoFrameHasOne) {

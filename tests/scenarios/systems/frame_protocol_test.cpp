@@ -95,6 +95,9 @@ TEST(FrameProtocol, TheStartTellsCalibrationSeedAndSettings) {
   EXPECT_EQ(read.settings.at("ratio").AsNumber(), 0.8);
   EXPECT_EQ(read.settings.at("feature").text(), "orb");
   EXPECT_EQ(read.calibration.camera.fx, sent.calibration.camera.fx);
+  EXPECT_EQ(read.calibration.lens.focal, sent.calibration.lens.focal);
+  EXPECT_EQ(read.calibration.lens.centre_px, sent.calibration.lens.centre_px);
+  EXPECT_EQ(read.calibration.lens.right_focal, sent.calibration.lens.right_focal);
   EXPECT_EQ(read.calibration.right->k1, sent.calibration.right->k1);
   EXPECT_EQ(read.calibration.X_LR.translation, sent.calibration.X_LR.translation);
   EXPECT_EQ(read.calibration.X_LR.rotation.coeffs(), sent.calibration.X_LR.rotation.coeffs());
@@ -109,6 +112,7 @@ TEST(FrameProtocol, AnAnswerArrivesToTheBit) {
   sent.frame.pose = Pose(Eigen::Quaterniond(0.1, 0.7, -0.3, 0.2).normalized(), {1.0 / 3, -2, 1e-17});
   sent.frame.covariance = Matrix6d::Random();
   sent.frame.own_covariance = Matrix6d::Random();
+  sent.frame.common_errors = CommonErrors::Random(6, 3);
   sent.frame.restarted = true;
   sent.frame.features = 12;
   sent.frame.inliers = 7;
@@ -121,10 +125,21 @@ TEST(FrameProtocol, AnAnswerArrivesToTheBit) {
     EXPECT_EQ(*read.frame.covariance, *sent.frame.covariance);
     ASSERT_TRUE(read.frame.own_covariance);
     EXPECT_EQ(*read.frame.own_covariance, *sent.frame.own_covariance);
+    EXPECT_EQ(read.frame.common_errors, sent.frame.common_errors);
     EXPECT_TRUE(read.frame.restarted);
     EXPECT_EQ(read.frame.inliers, 7);
     EXPECT_EQ(read.command, command);
   }
+}
+
+TEST(FrameProtocol, APredictionArrivesWhereThereIsNoPose) {
+  FrameAnswer sent;
+  sent.frame.status = TrackingStatus::kLost;
+  sent.frame.predicted = Pose(Eigen::Quaterniond::Identity(), {1.0 / 3, 2, 3});
+  const FrameAnswer read = ReadAnswer(AnswerMessage(sent), 5);
+  EXPECT_FALSE(read.frame.pose);
+  ASSERT_TRUE(read.frame.predicted);
+  EXPECT_EQ(read.frame.predicted->translation, sent.frame.predicted->translation);
 }
 
 TEST(FrameProtocol, TheEndHandsOverFramesAndMaps) {
