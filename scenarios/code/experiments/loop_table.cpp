@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "algorithms/places/fab_map.h"
 #include "algorithms/slam/appearance_slam.h"
 #include "results/scoring/loop_recall.h"
+#include "scenarios/code/experiments/loop_groups.h"
 #include "scenarios/code/experiments/processor_time.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "scenarios/code/runs/output_folder.h"
@@ -28,6 +30,7 @@ struct LoopTableOptions {
   InputPaths walks;
   std::vector<std::string> test;
   std::vector<std::string> train;
+  std::vector<std::string> over;
   int words = 1000;
   ViewOptions views;
   LoopTruthOptions truth;
@@ -43,6 +46,9 @@ void VisitFields(Visitor& visit, LoopTableOptions& o) {
   visit("train", o.train, Nested(),
         "recorded folder of another scene, to learn words from; only fab_map and bag_of_words "
         "learn, and the folders of the walk itself and of later ones are left out");
+  visit("over", o.over, Nested(),
+        "key of the walks' scenarios, such as crowd.count, over which medians of the walks that agree in it are "
+        "tabled and drawn; a second one tells lines apart");
   visit("words", o.words, Between(2, 100000), "of the vocabulary");
   visit("seed", o.seed, Between(0, 1e15), "of the vocabulary");
   VisitFields(visit, o.views);
@@ -52,17 +58,22 @@ void VisitFields(Visitor& visit, LoopTableOptions& o) {
 /// A recorded walk, its views' features, and where they were taken.
 struct Film {
   std::string name;
+  double blur_px = 0;
+  std::vector<std::string> levels;  ///< Of the keys of a summary.
   std::vector<Observation> views;
   std::vector<Pose> X_WC;
 };
 
-/// Frames at least `every_s` apart. @throws BadInput without truth.
-Film ReadFilm(const fs::path& folder, double every_s) {
+/// Frames at least `every_s` apart. @param over keys of the recorded scenario. @throws BadInput without truth.
+Film ReadFilm(const fs::path& folder, double every_s, const std::vector<std::string>& over = {}) {
   const fs::path sensors = FindDataset(folder);
   const DatasetFolders folders{sensors, sensors.string() + "-truth"};
   std::map<int64_t, Pose> truth;
-  for (const RecordedFrame& frame : ReadRecordedWalk(folders).frames) truth[frame.stamp_ns] = frame.X_WC;
+  const RecordedWalk walk = ReadRecordedWalk(folders);
+  for (const RecordedFrame& frame : walk.frames) truth[frame.stamp_ns] = frame.X_WC;
   Film film;
+  film.blur_px = SummariseBlur(walk).median_px;
+  if (!over.empty()) film.levels = LevelsOf(folders.truth / "scenario.yaml", over);
   film.name = folder.lexically_normal().filename().string();
   DatasetReader reader(sensors);
   while (auto observation = reader.Next()) {
@@ -77,20 +88,13 @@ Film ReadFilm(const fs::path& folder, double every_s) {
   return film;
 }
 
-struct Outcome {
-  std::string walk, method;
-  int views = 0, accepted = 0, right = 0;
-  PrecisionRecall curve;
-  double ms_per_view = 0, bytes_per_place = 0;
-};
-
 void Track(const Film& film, AppearanceSlam& slam) {
   for (const Observation& view : film.views) slam.Track(view);
 }
 
 /// @param later null: the film's own views are asked about, as they are learned; otherwise those of a later film.
-Outcome Recognise(const Film& film, const Film* later, const std::string& method, AppearanceSlam& slam,
-                  const LoopTableOptions& options) {
+LoopOutcome Recognise(const Film& film, const Film* later, const std::string& method, AppearanceSlam& slam,
+                      const LoopTableOptions& options) {
   const Film& asked = later ? *later : film;
   if (later) {
     Track(film, slam);
@@ -99,9 +103,11 @@ Outcome Recognise(const Film& film, const Film* later, const std::string& method
   const double before_ms = ProcessorTime_ms();
   Track(asked, slam);
   slam.Finish();
-  Outcome outcome;
+  LoopOutcome outcome;
   outcome.walk = later ? film.name + ", " + later->name : film.name;
   outcome.method = method;
+  outcome.blur_px = asked.blur_px;
+  outcome.levels = asked.levels;
   outcome.views = int(asked.views.size());
   outcome.ms_per_view = (ProcessorTime_ms() - before_ms) / double(asked.views.size());
   outcome.bytes_per_place = double(slam.graph().nodes.back().bytes);
@@ -124,7 +130,7 @@ Outcome Recognise(const Film& film, const Film* later, const std::string& method
 
 std::string Percent(int part, int whole) { return whole == 0 ? "-" : fmt::format("{:.1f}", 100.0 * part / whole); }
 
-std::string Row(const Outcome& o) {
+std::string Row(const LoopOutcome& o) {
   return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {:.3f} | {:.1f} | {:.1f} | {:.1f} |\n", o.walk, o.method,
                      o.views, o.curve.possible, o.accepted, Percent(o.right, o.accepted),
                      Percent(o.right, o.curve.possible), o.curve.area, 100 * o.curve.recall_at_full_precision,
@@ -136,12 +142,14 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
  public:
   void Run(const ExperimentSetup& setup) override {
     if (options_.walks.paths.empty()) throw BadInput("walks: name at least one folder of a recorded walk");
+    if (options_.over.size() > 2) throw BadInput("--over: at most two keys, an axis and lines over it");
     command_ = setup.command;
     cv::setNumThreads(1);  // times are one thread's
     std::vector<Film> later;
-    for (const std::string& path : options_.test) later.push_back(ReadFilm(path, options_.views.every_s));
+    for (const std::string& path : options_.test)
+      later.push_back(ReadFilm(path, options_.views.every_s, options_.over));
     for (const std::string& path : options_.walks.paths) {
-      const Film film = ReadFilm(path, options_.views.every_s);
+      const Film film = ReadFilm(path, options_.views.every_s, options_.over);
       std::vector<const Film*> asked;
       for (const Film& test : later) asked.push_back(&test);
       if (asked.empty()) asked.push_back(nullptr);
@@ -154,6 +162,7 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
       }
     }
     WriteTextFile(fs::path(setup.table).replace_extension(".csv"), Curves());
+    if (!options_.over.empty()) WriteSummary(setup.table);
   }
   std::string Table() const override {
     std::string text = fmt::format(
@@ -166,16 +175,17 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
         "over all thresholds, the surest answer first. ms: one thread's processor time per view, features, question "
         "and learning together. kB: of a place, without the vocabulary. fab_map and bag_of_words have {} words learned "
         "from {} views of other walks. These two, and `all features`, take every feature of a view; the others those "
-        "that neighbouring views show too.{}\n\n"
-        "| walk | method | views | possible | accepted | precision, % | recall, % | area | recall at 100 %, % | ms | "
-        "kB "
-        "|\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
+        "that neighbouring views show too.{}\n\n",
         command_, options_.views.apart_s, options_.truth.same_place_m, options_.truth.same_heading_deg, options_.words,
         training_views_,
         options_.test.empty() ? ""
                               : " Of two walks the first was learned, and each view of the second asked about: any "
                                 "place of the first may be the answer, and nothing more is learned.");
-    for (const Outcome& outcome : outcomes_) text += Row(outcome);
+    if (!options_.over.empty()) return text + Summary();
+    text +=
+        "| walk | method | views | possible | accepted | precision, % | recall, % | area | recall at 100 %, % | ms "
+        "| kB |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+    for (const LoopOutcome& outcome : outcomes_) text += Row(outcome);
     return text;
   }
 
@@ -216,24 +226,50 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
     return methods;
   }
 
+  void WriteSummary(const fs::path& table) {
+    const std::string stem = table.stem().string();
+    picture_ = stem + ".png";
+    const fs::path file = table.parent_path() / picture_;
+    if (!cv::imwrite(file.string(), DrawLoopGroups(options_.over, outcomes_)))
+      throw MissingResource(file.string() + ": cannot be written");
+    WriteTextFile(table.parent_path() / (stem + "_walks.csv"), LoopOutcomeRows(options_.over, outcomes_));
+  }
+  std::string Summary() const {
+    return "Medians (lowest to highest) over the walks that agree; precision: over those with an accepted loop. Blur: "
+           "median over walks and frames of a frame's median path of an image point while the shutter is open.\n\n" +
+           LoopGroupTable(options_.over, outcomes_) +
+           fmt::format("\n![Medians, and all walks between]({})\n", picture_);
+  }
+
   /// From all training walks but the one that is asked about.
   FabMapModel Learn(const std::string& walk) {
-    const cv::Ptr<cv::Feature2D> detector = MakeFeature2d(options_.views.feature);
-    std::vector<cv::Mat> descriptors;
+    std::vector<std::string> others;
     for (const std::string& path : options_.train) {
       const auto is = [&](const std::string& other) { return fs::equivalent(path, other); };
-      if (is(walk) || std::any_of(options_.test.begin(), options_.test.end(), is)) continue;
+      if (!is(walk) && std::none_of(options_.test.begin(), options_.test.end(), is)) others.push_back(path);
+    }
+    auto known = learned_.find(others);
+    if (known == learned_.end()) known = learned_.emplace(others, LearnFrom(others)).first;
+    training_views_ = known->second.views;
+    return known->second.model;
+  }
+  struct Learned {
+    FabMapModel model;
+    size_t views;
+  };
+  Learned LearnFrom(const std::vector<std::string>& walks) const {
+    const cv::Ptr<cv::Feature2D> detector = MakeFeature2d(options_.views.feature);
+    std::vector<cv::Mat> descriptors;
+    for (const std::string& path : walks)
       for (const Observation& view : ReadFilm(path, options_.views.every_s).views)
         descriptors.push_back(DetectFeatures(*detector, view.image.pixels, options_.views.max_features).descriptors);
-    }
-    training_views_ = descriptors.size();
-    return LearnFabMapModel(descriptors, options_.words, options_.seed);
+    return {LearnFabMapModel(descriptors, options_.words, options_.seed), descriptors.size()};
   }
 
   /// Every point of every curve.
   std::string Curves() const {
     std::string text = "walk,method,threshold,right,wrong,precision,recall\n";
-    for (const Outcome& o : outcomes_) {
+    for (const LoopOutcome& o : outcomes_) {
       for (const PrecisionRecallPoint& p : o.curve.curve) {
         text += fmt::format("{},\"{}\",{:.6g},{},{},{:.4f},{:.4f}\n", o.walk, o.method, p.threshold, p.right, p.wrong,
                             p.precision, p.recall);
@@ -242,9 +278,10 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
     return text;
   }
 
-  std::string command_;
+  std::string command_, picture_;
   size_t training_views_ = 0;
-  std::vector<Outcome> outcomes_;
+  std::map<std::vector<std::string>, Learned> learned_;  ///< By the walks that it was learned from.
+  std::vector<LoopOutcome> outcomes_;
 };
 
 }  // namespace

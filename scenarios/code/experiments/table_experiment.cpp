@@ -66,7 +66,8 @@ const std::vector<ExperimentEntry>& ListExperiments() {
       {"loops", "which earlier place a view of a walk shows, by every memory of places: precision over recall",
        "gaitcam record scenarios/corridor_loops.yaml --set camera.rate_hz=1 --out walks/twin\n"
        "gaitcam record scenarios/lab_loop.yaml --set camera.rate_hz=1 --set path.laps=2 --out walks/lab\n"
-       "gaitcam experiment loops walks/twin --train walks/lab --out loops.md",
+       "gaitcam experiment loops walks/twin --train walks/lab --out loops.md\n"
+       "gaitcam experiment loops walks/people* --over crowd.count --over camera.exposure_ms --out density.md",
        MakeLoopTable},
       {"nees", "whether stereo points and motions know their errors: the chapter's tests, repeated, and a map",
        "gaitcam experiment nees --out results/nees.md\n"

@@ -75,6 +75,7 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"loops", "at least one folder of a recorded walk"},
                                         {"loops nowhere", "nowhere"},
                                         {"loops nowhere --words 1", "--words: 1 is not permitted"},
+                                        {"loops nowhere --over a --over b --over c", "at most two keys"},
                                         {"nees --repeats 0", "--repeats: 0 is not permitted"},
                                         {"nees --scene labb", "labb"},
                                         {"localisation --set duration=1", "duration"},
@@ -122,6 +123,31 @@ TEST_F(ExperimentProgramTest, LoopsAsksEveryMemoryAlongARecordedWalkAndLearnsFro
   EXPECT_EQ(Lines(untaught.err), 1) << untaught.err;
   // By default 20 s must lie between two visits.
   EXPECT_EQ(Run("loops here/walk").exit_code, 3);
+}
+
+TEST_F(ExperimentProgramTest, LoopsSumUpOverWhatTheWalksScenariosDifferIn) {
+  RecordTinyWalk(File("left"), "tum", {"camera.exposure_ms=5"});
+  RecordTinyWalk(File("right"), "tum", {"camera.exposure_ms=5", "path.direction=right"});
+  RecordTinyWalk(File("long"), "tum", {"camera.exposure_ms=20"});
+  const std::string words = "loops left/walk right/walk long/walk --apart-s 0 --every-s 0.1 --same-heading-deg 180 ";
+  const ProgramResult result = Run(words + "--over camera.exposure_ms --out sum.md");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string table = ReadText(File("sum.md"));
+  // Two walks agree in 5 ms, one has 20 ms; and the longer exposure blurs more.
+  std::smatch five, twenty;
+  ASSERT_TRUE(std::regex_search(table, five, std::regex("\\| 5 \\| ([0-9.]+) \\| icgm_slam, double \\| 2 \\|")));
+  ASSERT_TRUE(std::regex_search(table, twenty, std::regex("\\| 20 \\| ([0-9.]+) \\| icgm_slam, double \\| 1 \\|")));
+  EXPECT_GT(std::stod(twenty[1]), std::stod(five[1]));
+  EXPECT_FALSE(cv::imread(File("sum.png").string()).empty());
+  EXPECT_THAT(ReadText(File("sum_walks.csv")), HasSubstr("walk,\"pirf_nav\",20,"));
+  for (const auto& [key, fragment] : {std::pair{"camera.exposure", "scenario.yaml"},
+                                      {"robot", "\"khr1hv\" is not a number"},
+                                      {"path", "no single number or word"}}) {
+    const ProgramResult slip = Run(words + "--over " + key + " --out slip.md");
+    EXPECT_EQ(slip.exit_code, 2) << slip.err;
+    EXPECT_THAT(slip.err, HasSubstr(fragment));
+    EXPECT_EQ(Lines(slip.err), 1) << slip.err;
+  }
 }
 
 TEST_F(ExperimentProgramTest, ATableNamesTheCommandThatMakesItAgain) {
