@@ -9,7 +9,7 @@
 ///          "scan": {"pan_rad": 0, "body_turn_rad": 0}}
 ///   it    {"status": "tracking", "pose": [x, y, z, qx, qy, qz, qw], "covariance": [36 numbers, row by row],
 ///          "own_covariance": [36 numbers, where it is known what of it no other frame shares],
-///          "restarted": false, "features": 412, "inliers": 203, "command": COMMAND}
+///          "restarted": false, "features": 412, "inliers": 203, "matches": 260, "command": COMMAND}
 ///   us    {"event": "finish"}
 ///   it    {"frames": [{"stamp_ns": 0, "status": "tracking", "pose": [...]}, ...], "maps": [MAP, ...], "failure": ""}
 ///
