@@ -44,6 +44,7 @@ struct FrameEstimate {
   bool restarted = false;  ///< The system says that it chose W or its scale anew at this frame. No score depends on it.
   int features = 0;        ///< Found in this frame.
   int inliers = 0;         ///< Of those, agreeing with the pose.
+  int matches = 0;         ///< Among which the robust estimator looked for inliers; 0: unknown.
 };
 
 /// What a system says at its end.

@@ -145,4 +145,13 @@ IcgmResult FilterByGravity(const std::vector<MatchedPosition>& matches, const Ic
   return result;
 }
 
+std::vector<Match> FilterByGravity(const std::vector<Match>& matches, const Features& a, const Features& b,
+                                   const IcgmOptions& options, RandomStream& random) {
+  std::vector<Match> kept;
+  if (matches.size() < 2) return kept;
+  for (const int i : FilterByGravity(PositionsOf(matches, a, b), options, random).kept)
+    kept.push_back(matches[size_t(i)]);
+  return kept;
+}
+
 }  // namespace gaitcam

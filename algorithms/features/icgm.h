@@ -87,6 +87,10 @@ struct IcgmResult {
 IcgmResult FilterByGravity(const std::vector<MatchedPosition>& matches, const IcgmOptions& options,
                            RandomStream& random);
 
+/// Those of `matches` that are kept, in their order; none of fewer than 2.
+std::vector<Match> FilterByGravity(const std::vector<Match>& matches, const Features& a, const Features& b,
+                                   const IcgmOptions& options, RandomStream& random);
+
 /// The threshold for a pair of images by its own ratios of difference, from the centre of gravity of those that agree.
 /// Key points paired at random say how ratios of wrong matches are distributed; how many matches have greater ratios
 /// than half of these says how many are wrong (Storey, J. R. Stat. Soc. B 64, 2002). From both follow the precision and

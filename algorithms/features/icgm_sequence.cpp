@@ -6,25 +6,14 @@
 #include "algorithms/core/errors.h"
 
 namespace gaitcam {
-namespace {
-
-MatchFilter IcgmFilter(const IcgmOptions& options, RandomStream& random) {
-  return [&](const std::vector<Match>& matches, const Features& a, const Features& b) {
-    std::vector<Match> kept;
-    if (matches.size() < 2) return kept;
-    for (const int i : FilterByGravity(PositionsOf(matches, a, b), options, random).kept)
-      kept.push_back(matches[size_t(i)]);
-    return kept;
-  };
-}
-
-}  // namespace
 
 std::vector<int> RobustFeatures(std::span<const FeatureImage> images, int current, const RobustFeatureOptions& options,
                                 RandomStream& random) {
   GAITCAM_ASSERT(current >= 0 && current < int(images.size()));
   CheckFields(options, "robust_features.");
-  const MatchFilter filter = IcgmFilter(options.icgm, random);
+  const MatchFilter filter = [&](const std::vector<Match>& matches, const Features& a, const Features& b) {
+    return FilterByGravity(matches, a, b, options.icgm, random);
+  };
   const int before = current - options.window + 1, after = current + options.window;
   std::set<int> rows;
   if (before >= 0) {

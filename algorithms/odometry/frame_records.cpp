@@ -14,6 +14,7 @@ void FrameRecords::SetPose(size_t frame, const LandmarkPose& pose, const Keyfram
   record.answer.status = TrackingStatus::kTracking;
   record.answer.predicted.reset();
   record.answer.inliers = int(pose.inliers.size());
+  record.answer.matches = pose.matches;
   Attach(record, pose.X_WC, map);
 }
 

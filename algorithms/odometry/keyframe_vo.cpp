@@ -140,6 +140,7 @@ class KeyframeVo::Tracker {
   std::optional<Metric> metric_;
 
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
+  int matches_ = 0;                     ///< Likewise; 0 where there was no map yet.
   std::optional<StampedPose> last_;     ///< The last known pose, over all maps.
   Pose expected_;                       ///< The same, or a later prediction of a frame without a map.
   double median_depth_ = 1;             ///< In the last keyframe; the unit when a map is initialised.
@@ -159,9 +160,11 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
                              {options_.localizer.sigma_px, options_.localizer.sigma_per_size});
   answer.features = view.features.size();
   inliers_.clear();
+  matches_ = 0;
   const bool had_map = HasMap();
   const bool found = had_map ? Localize(view, observation) : Initialize(view, answer.predicted);
   answer.inliers = int(inliers_.size());
+  answer.matches = matches_;
   if (!found) {
     answer.status = had_map ? TrackingStatus::kLost : TrackingStatus::kInitializing;
     if (had_map) answer.predicted = PredictPose(observation);
@@ -248,6 +251,7 @@ bool KeyframeVo::Tracker::Localize(FrameView& view, const Observation& observati
   if (!localized) return false;
   view.X_WC = localized->X_WC;
   inliers_ = localized->inliers;
+  matches_ = localized->matches;
   return true;
 }
 

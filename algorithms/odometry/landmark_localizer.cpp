@@ -149,7 +149,7 @@ std::optional<LandmarkPose> LandmarkLocalizer::Attempt::RefineOverInliers(
     if (int(inliers.size()) < min_inliers_) return {};
     pose = RefinePose(sightings, inliers, pose, 2, prior);
   }
-  LandmarkPose refined{pose, {}};
+  LandmarkPose refined{pose, {}, int(matches.size())};
   for (const int i : inliers) refined.inliers.push_back(matches[size_t(i)]);
   return refined;
 }

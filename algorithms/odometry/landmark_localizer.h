@@ -56,6 +56,7 @@ struct PosePrediction {
 struct LandmarkPose {
   Pose X_WC;
   std::vector<LandmarkMatch> inliers;
+  int matches = 0;  ///< Found near where this pose expects them; the inliers are of these.
 };
 
 class LandmarkLocalizer {

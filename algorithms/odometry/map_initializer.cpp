@@ -16,7 +16,9 @@ MapInitializer::Result MapInitializer::Add(const FrameView& view, RandomStream& 
   std::vector<Match> matches;
   std::vector<PointPair> pairs;
   if (reference_) {
-    matches = MatchDescriptors(reference_->features.descriptors, view.features.descriptors, options_.matching);
+    matches =
+        FilterMatches(MatchDescriptors(reference_->features.descriptors, view.features.descriptors, options_.matching),
+                      reference_->features, view.features, options_.filter, random);
     for (const Match& match : matches) pairs.push_back({reference_->xy[size_t(match.a)], view.xy[size_t(match.b)]});
   }
   TwoView two_view;

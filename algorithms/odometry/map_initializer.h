@@ -15,6 +15,7 @@
 #include "algorithms/core/camera.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/core/random.h"
+#include "algorithms/features/match_filter.h"
 #include "algorithms/features/matching.h"
 #include "algorithms/geometry/ransac.h"
 #include "algorithms/geometry/two_view.h"
@@ -26,7 +27,8 @@ namespace gaitcam {
 struct MapInitializerOptions {
   using DescribedTag = void;
 
-  MatchingOptions matching;  ///< Its fields are fields of these options.
+  MatchingOptions matching;   ///< Its fields are fields of these options ...
+  MatchFilterOptions filter;  ///< ... and so are those of this, which is of the matches of a first map alone.
   RobustEstimator estimator = RobustEstimator::kMlesac;
   double threshold_px = 2.0;  ///< Largest error of an inlier, px at the image centre.
   double ransac_confidence = 0.9999;
@@ -44,6 +46,7 @@ struct MapInitializerOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, MapInitializerOptions& o) {
   VisitFields(visit, o.matching);
+  VisitFields(visit, o.filter);
   visit("estimator", o.estimator, EnumWords<RobustEstimator>(), "robust estimator of the first two-view geometry");
   visit("threshold_px", o.threshold_px, Between(0.01, 100.0), "largest error of an inlier of two views, px");
   visit("ransac_confidence", o.ransac_confidence, Between(0.5, 0.999999), "probability of a sample without outliers");

@@ -17,6 +17,7 @@ namespace {
 struct Reconstruction {
   RelativeMotion motion;                ///< From the first camera to the second.
   std::vector<Match> matches;           ///< The inliers in front of both cameras: first frame, second frame.
+  int candidates = 0;                   ///< Matches among which they were found.
   std::vector<Eigen::Vector2d> depths;  ///< Of each, in the two cameras.
 };
 
@@ -25,7 +26,11 @@ struct Reconstruction {
 class TwoViewVo::Loop {
  public:
   Loop(const CameraModel& camera, const TwoViewVoOptions& options, uint64_t seed)
-      : camera_(camera), options_(options), detector_(MakeFeature2d(options.feature)), random_(seed, "two_view_vo") {}
+      : camera_(camera),
+        options_(options),
+        detector_(MakeFeature2d(options.feature)),
+        random_(seed, "two_view_vo"),
+        random_of_filter_(seed, "match_filter") {}
 
   FrameEstimate Track(const Observation& observation);
 
@@ -38,7 +43,7 @@ class TwoViewVo::Loop {
   CameraModel camera_;
   TwoViewVoOptions options_;
   cv::Ptr<cv::Feature2D> detector_;
-  RandomStream random_;
+  RandomStream random_, random_of_filter_;
 
   std::optional<FrameView> previous_;          ///< The frame before.
   std::vector<std::optional<double>> depths_;  ///< Of its features by the pair before; empty: there is no such pair.
@@ -61,6 +66,7 @@ FrameEstimate TwoViewVo::Loop::Track(const Observation& observation) {
     answer.pose = X_WP_;
     answer.restarted = is_first_pair && has_pose_;
     answer.inliers = int(reconstruction->matches.size());
+    answer.matches = reconstruction->candidates;
     has_pose_ = true;
     StoreDepths(*reconstruction, *scale, view.xy.size());
   } else {
@@ -75,8 +81,9 @@ FrameEstimate TwoViewVo::Loop::Track(const Observation& observation) {
 /// Steps 2 to 5.
 std::optional<Reconstruction> TwoViewVo::Loop::Reconstruct(const FrameView& view) {
   if (!previous_) return {};
-  const auto matches =
-      MatchDescriptors(previous_->features.descriptors, view.features.descriptors, options_.matching);  // step 2
+  const auto matches = FilterMatches(
+      MatchDescriptors(previous_->features.descriptors, view.features.descriptors, options_.matching),  // step 2
+      previous_->features, view.features, options_.filter, random_of_filter_);
   if (int(matches.size()) < options_.min_points) return {};
   std::vector<PointPair> pairs;
   for (const Match& match : matches) pairs.push_back({previous_->xy[size_t(match.a)], view.xy[size_t(match.b)]});
@@ -86,6 +93,7 @@ std::optional<Reconstruction> TwoViewVo::Loop::Reconstruct(const FrameView& view
   const auto found = EstimateEssential(pairs, mlesac, random_, EpipolarDistance2);  // steps 3 and 4
   if (int(found.inliers.size()) < options_.min_points) return {};
   Reconstruction result;
+  result.candidates = int(matches.size());
   result.motion = ChooseByDepth(found.model, pairs, found.inliers);  // step 5
   for (const int i : found.inliers) {
     if (!InFront(result.motion, pairs[size_t(i)])) continue;
@@ -122,9 +130,16 @@ void TwoViewVo::Loop::StoreDepths(const Reconstruction& reconstruction, double s
   }
 }
 
+TwoViewVoOptions TwoViewVoOptions::OfCrowds() {
+  TwoViewVoOptions options;
+  options.feature = "surf";
+  options.filter.filter = MatchFilterKind::kIcgm;
+  return options;
+}
+
 TwoViewVo::TwoViewVo(const CameraModel& camera, const TwoViewVoOptions& options, uint64_t seed) {
   camera.Check();
-  CheckFields(options, "thesis_vo.");
+  CheckFields(options, "two_view_vo.");
   loop_ = std::make_unique<Loop>(camera, options, seed);
 }
 

@@ -1,9 +1,11 @@
 /// Monocular visual odometry from pairs of successive frames: the seven steps of
 ///   A. Pretto, "Visual-SLAM for Humanoid Robots", Ph.D. thesis, University of Padua, section 5.4
-/// and nothing else. No landmarks, no refinement, no motion model; every frame is paired with the one before it.
+/// and, unless a filter of matches is asked for, nothing else. No landmarks, no refinement, no motion model; every
+/// frame is paired with the one before it.
 ///
 /// 1. Features of the frame, by a detector with its standard threshold.
-/// 2. Matches with the frame before, nearest neighbours by best bin first.
+/// 2. Matches with the frame before, nearest neighbours by best bin first. `filter` lets fewer of them pass, which is
+///    the odometry of Hua, section 6.2: there the steps after it are not told.
 /// 3. Hypotheses of the essential matrix from five matches each.
 /// 4. The most likely one by MLESAC; errors are distances from epipolar lines.
 /// 5. Of its four decompositions the one with most points in front of both cameras.
@@ -26,6 +28,7 @@
 #include "algorithms/core/estimate.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/core/observation.h"
+#include "algorithms/features/match_filter.h"
 #include "algorithms/features/matching.h"
 #include "algorithms/odometry/frame_view.h"
 
@@ -36,7 +39,8 @@ struct TwoViewVoOptions {
 
   std::string feature = "mobif";  ///< Detector by name; the thesis's own is MoBIF (section 5.3).
   int max_features = 2000;        ///< Strongest features kept per frame: more than a frame of VGA size has.
-  MatchingOptions matching;       ///< Step 2. Its fields are fields of these options.
+  MatchingOptions matching;       ///< Step 2. Its fields are fields of these options ...
+  MatchFilterOptions filter;      ///< ... and so are those of this.
   double threshold_px = 2.0;      ///< Step 4: largest distance of an inlier from its epipolar line, px.
   double confidence = 0.9999;     ///< Steps 4 and 6: probability of a sample without outliers.
   int max_iterations = 300;       ///< Steps 4 and 6: largest number of samples.
@@ -44,6 +48,8 @@ struct TwoViewVoOptions {
   int min_points = 8;             ///< Matches, inliers of step 4 and of step 6; with fewer the pair has failed.
 
   TwoViewVoOptions() { matching.search = NeighbourSearch::kBestBinFirst; }
+  /// With SURF and ICGM as Hua has them (sections 4.1 and 5.1).
+  static TwoViewVoOptions OfCrowds();
 };
 
 template <class Visitor>
@@ -51,6 +57,7 @@ void VisitFields(Visitor& visit, TwoViewVoOptions& o) {
   visit("feature", o.feature, FeatureNames(), "detector and descriptor");
   visit("max_features", o.max_features, Between(50, 100000), "strongest features kept per frame");
   VisitFields(visit, o.matching);
+  VisitFields(visit, o.filter);
   visit("threshold_px", o.threshold_px, Between(0.01, 100.0), "largest distance from the epipolar line, px");
   visit("confidence", o.confidence, Between(0.5, 0.999999), "probability of a sample without outliers");
   visit("max_iterations", o.max_iterations, Between(1, 1000000), "largest number of samples");

@@ -53,10 +53,7 @@ PlaceAnswer IcgmPlaces::Ask(const Features& view, size_t first_places) {
 MatchFilter GravityFilter(const IcgmOptions& options, uint64_t seed) {
   return [options, random = RandomStream(seed, "icgm_votes")](const std::vector<Match>& matches, const Features& view,
                                                               const Features& place) mutable {
-    std::vector<Match> kept;
-    for (const int k : FilterByGravity(PositionsOf(matches, view, place), options, random).kept)
-      kept.push_back(matches[size_t(k)]);
-    return kept;
+    return FilterByGravity(matches, view, place, options, random);
   };
 }
 

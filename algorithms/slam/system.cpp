@@ -58,13 +58,20 @@ Entry MobifVoPlus() {
 
 class TwoViewVoSystem : public System {
  public:
-  explicit TwoViewVoSystem(const SystemSetup& setup)
-      : odometry_(setup.calibration.camera, OptionsFrom<TwoViewVoOptions>(setup.settings, "thesis_vo"), setup.seed) {}
+  TwoViewVoSystem(const SystemSetup& setup, const TwoViewVoOptions& options)
+      : odometry_(setup.calibration.camera, options, setup.seed) {}
   FrameEstimate Track(const Observation& observation) override { return odometry_.Track(observation); }
 
  private:
   TwoViewVo odometry_;
 };
+
+/// A preset of the two-view odometry.
+Entry TwoViewPreset(const std::string& name, const std::string& description, const TwoViewVoOptions& defaults) {
+  return {{name, description, ListFields(defaults), {}, false}, [name, defaults](const SystemSetup& setup) {
+            return std::make_unique<TwoViewVoSystem>(setup, OptionsFrom(setup.settings, name, defaults));
+          }};
+}
 
 class StereoPairVoSystem : public System {
  public:
@@ -177,12 +184,10 @@ std::vector<Entry> MakeEntries() {
         {SensorNeed::kStereo},
         false},
        [](const SystemSetup& setup) { return std::make_unique<StereoVoSystem>(setup); }},
-      {{"thesis_vo",
-        "the monocular odometry of thesis 5.4: seven steps per pair of successive frames",
-        ListFields(TwoViewVoOptions()),
-        {},
-        false},
-       [](const SystemSetup& setup) { return std::make_unique<TwoViewVoSystem>(setup); }},
+      TwoViewPreset("thesis_vo", "the monocular odometry of thesis 5.4: seven steps per pair of successive frames",
+                    TwoViewVoOptions()),
+      TwoViewPreset("icgm_vo", "thesis_vo with SURF and the matches that ICGM keeps: odometry for crowds (Hua 6.2)",
+                    TwoViewVoOptions::OfCrowds()),
       {{"floor_slam",
         "SLAM from the floor plane's homographies, with an intensity map of it (thesis, chapter 6)",
         ListFields(FloorSlamOptions()),

@@ -8,6 +8,17 @@
 namespace gaitcam {
 namespace {
 
+double InlierRatio(const std::vector<FrameEstimate>& answer) {
+  double sum = 0;
+  int frames = 0;
+  for (const FrameEstimate& frame : answer) {
+    if (!frame.pose || frame.matches <= 0) continue;
+    sum += double(frame.inliers) / frame.matches;
+    ++frames;
+  }
+  return frames > 0 ? sum / frames : kNaN;
+}
+
 double TimeCoverage(const std::vector<PosePair>& pairs, const Trajectory& truth) {
   std::vector<double> gaps;
   for (size_t i = 1; i < pairs.size(); ++i) gaps.push_back(SecondsBetween(pairs[i - 1].stamp_ns, pairs[i].stamp_ns));
@@ -24,6 +35,7 @@ Coverage MeasureCoverage(const std::vector<FrameEstimate>& answer, bool keyframe
                          const std::vector<PosePair>& pairs, const std::vector<int64_t>& frame_stamps) {
   Coverage c;
   c.time_to_first_pose_s = kNaN;
+  c.inlier_ratio = InlierRatio(answer);
   std::vector<int64_t> posed;
   for (const FrameEstimate& frame : answer) {
     if (frame.restarted && !posed.empty()) ++c.restarts;  // the first world is no restart

@@ -22,6 +22,7 @@ struct Coverage {
   size_t initializing = 0;          ///< Before the first pose.
   size_t lost = 0;                  ///< Without a pose after the first one.
   size_t restarts = 0;              ///< New worlds after the first, as the system says; no other score depends on it.
+  double inlier_ratio = 0;          ///< Inliers over matches, mean over the frames with a pose; NaN if it says neither.
   bool frames_known = false;
 };
 

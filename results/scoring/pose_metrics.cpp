@@ -85,7 +85,9 @@ std::vector<PoseMetric> CoverageMetrics(bool frames_known) {
       {"lost_frames", "", Better::kLower, kGroup, "frames without a pose after the first one",
        [](const auto& m) { return double(m.coverage.lost); }},
       {"time_to_first_pose_s", "s", Better::kLower, kGroup, "from the first frame to the first pose",
-       [](const auto& m) { return m.coverage.time_to_first_pose_s; }}};
+       [](const auto& m) { return m.coverage.time_to_first_pose_s; }},
+      {"inlier_ratio", "", Better::kNeither, kGroup, "inliers over matches, mean over the frames with a pose",
+       [](const auto& m) { return m.coverage.inlier_ratio; }}};
   const std::vector<PoseMetric> of_run = {
       {"restarts", "", Better::kNeither, kGroup, "times the system says that it chose its world anew",
        [](const auto& m) { return double(m.coverage.restarts); }},

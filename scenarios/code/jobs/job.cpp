@@ -136,12 +136,12 @@ std::optional<Scores> ScoreInto(const TrackedWalk& walk, const ResolvedScenario&
 }
 
 std::string TrackingCsv(const Estimate& estimate) {
-  std::string text = "stamp_ns,status,live_status,restarted,features,inliers\n";
+  std::string text = "stamp_ns,status,live_status,restarted,features,inliers,matches\n";
   for (size_t i = 0; i < estimate.frames.size(); ++i) {
     const FrameEstimate& frame = estimate.frames[i];
     const TrackingStatus live = estimate.live.empty() ? frame.status : estimate.live[i].status;
-    text += fmt::format("{},{},{},{},{},{}\n", frame.stamp_ns, ToString(frame.status), ToString(live),
-                        int(frame.restarted), frame.features, frame.inliers);
+    text += fmt::format("{},{},{},{},{},{},{}\n", frame.stamp_ns, ToString(frame.status), ToString(live),
+                        int(frame.restarted), frame.features, frame.inliers, frame.matches);
   }
   return text;
 }

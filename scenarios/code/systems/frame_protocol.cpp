@@ -200,6 +200,7 @@ Json JsonOf(const FrameEstimate& frame) {
   if (frame.restarted) json["restarted"] = true;
   json["features"] = frame.features;
   json["inliers"] = frame.inliers;
+  if (frame.matches > 0) json["matches"] = frame.matches;
   return json;
 }
 
@@ -234,6 +235,7 @@ FrameEstimate EstimateOf(const Json& json, int64_t stamp_ns) {
   frame.restarted = json.value("restarted", false);
   frame.features = json.value("features", 0);
   frame.inliers = json.value("inliers", 0);
+  frame.matches = json.value("matches", 0);
   return frame;
 }
 

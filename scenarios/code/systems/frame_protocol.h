@@ -10,7 +10,8 @@
 ///   it    {"status": "tracking", "pose": [x, y, z, qx, qy, qz, qw], "covariance": [36 numbers, row by row],
 ///          "own_covariance": [36 numbers, where it is known what of it no other frame shares],
 ///          "common_errors": [[6 numbers of each error that is the same in all frames], ...],
-///          "restarted": false, "features": 412, "inliers": 203, "command": COMMAND}
+///          "restarted": false, "features": 412, "inliers": 203, "matches": 260, "command": COMMAND},
+///          or, without a pose, {"status": "lost", "predicted": [x, y, z, qx, qy, qz, qw]}
 ///   us    {"event": "finish"}
 ///   it    {"frames": [{"stamp_ns": 0, "status": "tracking", "pose": [...]}, ...], "maps": [MAP, ...], "failure": ""}
 ///

@@ -49,6 +49,10 @@ std::vector<Composition> Compositions() {
     all.push_back({std::string(ToWord(estimator)), Fast()});
     all.back().options.initializer.estimator = estimator;
   }
+  for (const MatchFilterKind filter : {MatchFilterKind::kIcgm, MatchFilterKind::kConsensus}) {
+    all.push_back({std::string(ToWord(filter)), Fast()});
+    all.back().options.initializer.filter.filter = filter;
+  }
   all.push_back({"exact", Fast()});
   all.back().options.initializer.matching.search = NeighbourSearch::kExact;
   return all;

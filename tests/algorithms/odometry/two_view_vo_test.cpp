@@ -60,6 +60,60 @@ TEST(TwoViewVo, AFailedPairIsLostAndTheLoopStartsOverAtTheLastPose) {
       << "the unit again";
 }
 
+// Something comes down before the camera, 25 px a frame, as nothing that stands still can on such a path.
+std::vector<Observation> FramesBehindSomethingThatMoves() {
+  static const cv::Mat picture = DeadLeaves(600, 3, "moves")[0];
+  std::vector<Observation> frames = FastFilm().frames;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    cv::Mat seen = frames[i].image.pixels.clone();
+    const cv::Rect part(40, 0, 50, seen.rows);
+    picture(cv::Rect(0, 400 - 25 * int(i % 16), part.width, part.height)).copyTo(seen(part));
+    frames[i].image.pixels = seen;
+  }
+  return frames;
+}
+
+double MeanInlierRatio(const Estimate& estimate) {
+  double sum = 0;
+  int frames = 0;
+  for (const FrameEstimate& frame : estimate.frames) {
+    if (!frame.pose) continue;
+    EXPECT_GT(frame.matches, 0);
+    EXPECT_LE(frame.inliers, frame.matches);
+    sum += double(frame.inliers) / frame.matches;
+    ++frames;
+  }
+  return sum / frames;
+}
+
+TEST(TwoViewVo, AFilterTakesOutWhatMovesBeforeTheEstimatorSeesIt) {
+  const std::vector<Observation> frames = FramesBehindSomethingThatMoves();
+  double ratio[2], rmse_m[2];
+  for (const bool filtered : {false, true}) {
+    TwoViewVoOptions options = WithSift();
+    if (filtered) options.filter.filter = MatchFilterKind::kConsensus;
+    options.filter.icgm_threshold = 0.05;  // the usual one lets 25 px pass at 80 px from what stands still
+    TwoViewVo vo(kCamera, options, 1);
+    const Estimate estimate = TrackAll(vo, frames);
+    ASSERT_GE(Count(estimate, TrackingStatus::kTracking), 18);
+    ratio[filtered] = MeanInlierRatio(estimate);
+    rmse_m[filtered] = AlignedError(estimate, FastFilm().truth).rmse_m;
+  }
+  printf("inliers: %.3f of all, %.3f of those kept; %.4f and %.4f m\n", ratio[0], ratio[1], rmse_m[0], rmse_m[1]);
+  EXPECT_LT(ratio[0], 0.85) << "a fifth of the picture moves";
+  EXPECT_GT(ratio[1], 0.9);
+  EXPECT_LT(rmse_m[1], 0.05) << "as where nothing moves";
+}
+
+TEST(TwoViewVo, OfCrowdsFollowsACameraWhoseFramesHaveABaseline) {
+  TwoViewVoOptions options = TwoViewVoOptions::OfCrowds();
+  options.feature = "sift";  // so small a picture has few points of SURF
+  TwoViewVo vo(kCamera, options, 1);
+  const Estimate estimate = TrackAll(vo, FastFilm().frames);
+  ASSERT_GE(Count(estimate, TrackingStatus::kTracking), 18);
+  EXPECT_LT(AlignedError(estimate, FastFilm().truth).rmse_m, 0.05) << "on 1.1 m of path";
+}
+
 TEST(TwoViewVo, NothingToSeeIsNoPose) {
   TwoViewVo vo(kCamera, WithSift(), 1);
   for (int i = 0; i < 4; ++i) {

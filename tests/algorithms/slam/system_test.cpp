@@ -68,6 +68,18 @@ TEST(Systems, ASensorIsMissingExactlyWhenTheCalibrationHasNone) {
   EXPECT_TRUE(MissingSensors(all, calibration, true).empty());
 }
 
+TEST(Systems, IcgmVoIsThesisVoWithAnotherDetectorAndAFilter) {
+  SystemSettings settings = InfoOfSystem("icgm_vo").Defaults();
+  EXPECT_EQ(settings.at("filter").text(), "icgm");
+  EXPECT_EQ(settings.at("feature").text(), "surf");
+  const SystemSettings thesis = InfoOfSystem("thesis_vo").Defaults();
+  for (const char* key : {"filter", "feature"}) {
+    EXPECT_FALSE(settings.at(key) == thesis.at(key)) << key;
+    settings[key] = thesis.at(key);
+  }
+  EXPECT_EQ(settings, thesis);
+}
+
 TEST(Systems, AnUnknownNameIsAnsweredWithTheNearest) {
   EXPECT_THAT(ErrorOf([] { MakeSystem("sift_v0", SetupWith()); }), HasSubstr("did you mean sift_vo?"));
   EXPECT_THAT(ErrorOf([] { MakeSystem("cartographer", SetupWith()); }),

@@ -134,6 +134,20 @@ TEST(Score, WhatASystemSaysOfARestartChangesNoOtherScore) {
   }
 }
 
+TEST(Score, InliersAreAShareOfTheMatchesOfFramesWithAPose) {
+  Estimate answers = Answers(kWalk);
+  EXPECT_TRUE(std::isnan(ScoreEstimate(answers, kWalk, Stamps(kWalk), {}).Value("inlier_ratio"))) << "none are told";
+  for (size_t i = 0; i < answers.frames.size(); ++i) {
+    answers.frames[i].matches = 200;
+    answers.frames[i].inliers = i % 2 == 0 ? 100 : 150;
+  }
+  answers.frames[7].matches = 0;  // not told of one frame: the ratio is of the others
+  answers.frames[8].inliers = 0;  // and a frame without a pose has none
+  answers.frames[8].pose.reset();
+  answers.frames[8].status = TrackingStatus::kLost;
+  EXPECT_NEAR(ScoreEstimate(answers, kWalk, Stamps(kWalk), {}).Value("inlier_ratio"), 0.625, 1e-12);
+}
+
 // Live it was lost for 50 frames, and noisy; finally all is known.
 TEST(Score, BothAnswersAreScoredByTheSameMeasures) {
   RandomStream random(3, "live");

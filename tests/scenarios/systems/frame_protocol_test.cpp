@@ -116,6 +116,7 @@ TEST(FrameProtocol, AnAnswerArrivesToTheBit) {
   sent.frame.restarted = true;
   sent.frame.features = 12;
   sent.frame.inliers = 7;
+  sent.frame.matches = 9;
   for (const BodyCommand& command : {BodyCommand(FollowPath()), BodyCommand(Scan()),
                                      BodyCommand(Velocity{0.1, -0.2, 1.0 / 3}), BodyCommand(GoTo{1, 2, -3})}) {
     sent.command = command;
@@ -128,6 +129,7 @@ TEST(FrameProtocol, AnAnswerArrivesToTheBit) {
     EXPECT_EQ(read.frame.common_errors, sent.frame.common_errors);
     EXPECT_TRUE(read.frame.restarted);
     EXPECT_EQ(read.frame.inliers, 7);
+    EXPECT_EQ(read.frame.matches, 9);
     EXPECT_EQ(read.command, command);
   }
 }
