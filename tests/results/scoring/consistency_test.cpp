@@ -117,7 +117,7 @@ TEST(Consistency, WhatIsAPosesOwnDoesNotCancel) {
 std::vector<PosePair> WithACommonError(uint64_t seed) {
   std::vector<PosePair> pairs = Odometry(seed, 1);
   RandomStream random(seed, "common");
-  constexpr double kSigma = 0.02;
+  constexpr double kSigma = 0.1;
   Vector6d one = Vector6d::Zero();
   one[4] = kSigma;
   const Pose turned = ExpSe3(random.Normal() * one);
