@@ -55,6 +55,8 @@ struct ImuCalibration {
 struct StandingCamera {
   double height_m = 0;                               ///< Of the camera's centre over the soles.
   Eigen::Vector3d up_C = -Eigen::Vector3d::UnitY();  ///< The floor's upward normal, in the (left) camera's frame.
+  double height_sigma = 0;  ///< How wrong the height may be, one standard deviation, a part of it; 0: exact.
+  double pitch_sigma = 0;   ///< Likewise of the camera's pitch in up_C, rad.
 };
 
 /// How wrong a calibration of lenses may be, as the bench that made it says: standard deviations of errors that are the

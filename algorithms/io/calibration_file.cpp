@@ -187,14 +187,24 @@ ImuCalibration ReadImu(const YamlMap& map) {
   return imu;
 }
 
+double SigmaOf(const YamlMap& map, const char* key) {
+  const double sigma = map.Number(key);
+  if (sigma < 0) map.Fail(key, "expected a standard deviation of at least 0");
+  return sigma;
+}
+
 StandingCamera ReadStanding(const YamlMap& map) {
-  map.RejectUnknown({"height_m", "up_C"});
+  map.RejectUnknown({"height_m", "up_C", "height_sigma", "pitch_sigma"});
   StandingCamera standing;
   standing.height_m = map.Number("height_m");
   if (!(standing.height_m > 0)) map.Fail("height_m", "expected a height above 0");
   const std::vector<double> up = map.Numbers("up_C", 3);
   standing.up_C = {up[0], up[1], up[2]};
   if (std::abs(standing.up_C.norm() - 1) > kNotUnit) map.Fail("up_C", "expected a vector of length 1");
+  for (const auto& [key, member] :
+       {std::pair{"height_sigma", &standing.height_sigma}, {"pitch_sigma", &standing.pitch_sigma}}) {
+    if (map.Has(key)) *member = SigmaOf(map, key);
+  }
   return standing;
 }
 
@@ -317,9 +327,7 @@ LensUncertainty ReadLens(const YamlMap& map) {
   LensUncertainty lens;
   for (const auto& [key, member] :
        {std::pair{"focal", &lens.focal}, {"centre_px", &lens.centre_px}, {"right_focal", &lens.right_focal}}) {
-    if (!map.Has(key)) continue;
-    *member = map.Number(key);
-    if (*member < 0) map.Fail(key, "expected a standard deviation of at least 0");
+    if (map.Has(key)) *member = SigmaOf(map, key);
   }
   return lens;
 }
@@ -348,9 +356,13 @@ std::string CalibrationText(const Calibration& calibration) {
             "\n  right_focal: " + ExactText(lens.right_focal) + "\n";
   }
   if (!calibration.standing) return text;
-  const Eigen::Vector3d& up = calibration.standing->up_C;
-  return text + "standing:  # over the soles, ready to walk\n  height_m: " + ExactText(calibration.standing->height_m) +
-         "\n  up_C: " + ExactList({up.x(), up.y(), up.z()}) + "\n";
+  const StandingCamera& standing = *calibration.standing;
+  const Eigen::Vector3d& up = standing.up_C;
+  text += "standing:  # over the soles, ready to walk\n  height_m: " + ExactText(standing.height_m) +
+          "\n  up_C: " + ExactList({up.x(), up.y(), up.z()}) + "\n";
+  if (standing.height_sigma == 0 && standing.pitch_sigma == 0) return text;
+  return text + "  height_sigma: " + ExactText(standing.height_sigma) +
+         "  # a part of the height\n  pitch_sigma: " + ExactText(standing.pitch_sigma) + "  # rad\n";
 }
 
 Calibration ReadCalibration(const std::filesystem::path& file) {

@@ -27,7 +27,11 @@ Eigen::Matrix3d Compose(const Eigen::Matrix3d& X_AB, const PlanarPose& X_BC, con
 }  // namespace
 
 FloorSlam::FloorSlam(const Calibration& calibration, const FloorSlamOptions& options, uint64_t seed)
-    : options_(options), tracker_(calibration, options.tracker), filter_(FilterOf(options), seed) {}
+    : options_(options), tracker_(calibration, options.tracker), filter_(FilterOf(options), seed) {
+  const StandingCamera standing = calibration.standing.value_or(StandingCamera());
+  options_.height_sigma_ratio = std::hypot(options.height_sigma_ratio, standing.height_sigma);
+  options_.tilt_sigma_deg = std::hypot(options.tilt_sigma_deg, standing.pitch_sigma / kRadPerDeg);
+}
 
 void FloorSlam::AddKeyframe(const FloorKeyframe& keyframe) {
   const PlanarPose here = BelowCamera(keyframe.X_WK);

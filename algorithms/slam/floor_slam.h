@@ -21,9 +21,11 @@ struct FloorSlamOptions {
   FloorTrackerOptions tracker;
   FloorFilterOptions filter;
   bool use_map = true;  ///< False: dead reckoning by the tracker; the map is drawn but closes no loop.
-  /// How well the calibration knows the camera's height, relative: it is the scale of all, so ways are known no better.
+  /// How well the camera's height is known, relative, beside what the calibration says of its own error
+  /// (StandingCamera::height_sigma): it is the scale of all, so ways are known no better.
   double height_sigma_ratio = 0.003;
-  double tilt_sigma_deg = 0.1;  ///< How well the vertical is known, about each horizontal axis.
+  /// How well the vertical is known, about each horizontal axis, beside StandingCamera::pitch_sigma.
+  double tilt_sigma_deg = 0.1;
 };
 
 template <class Visitor>
@@ -32,9 +34,10 @@ void VisitFields(Visitor& visit, FloorSlamOptions& o) {
   visit("filter", o.filter, Nested(), "map and trajectory");
   visit("use_map", o.use_map, Nested(), "false: tracking alone, the map corrects nothing");
   visit("height_sigma_ratio", o.height_sigma_ratio, Between(1e-6, 1.0),
-        "standard deviation of the standing height and so of the scale, for the covariance");
+        "standard deviation of the standing height and so of the scale, beside the calibration's own, for the "
+        "covariance");
   visit("tilt_sigma_deg", o.tilt_sigma_deg, Between(1e-4, 90.0),
-        "standard deviation of the vertical, for the covariance");
+        "standard deviation of the vertical, beside the calibration's own, for the covariance");
 }
 
 class FloorSlam {

@@ -44,6 +44,8 @@ CalibrationError DrawCalibrationError(const CalibrationErrorOptions& o, const Ro
   };
   CalibrationError error;
   error.lens = {0.01 * o.focal_pct, o.centre_px, 0.01 * o.right_focal_pct};
+  error.height_sigma = 0.01 * o.height_pct;
+  error.pitch_sigma = kRadPerDeg * o.pitch_deg;
   error.focal_pct = draw(o.focal_pct);
   error.centre_px = draw2(o.centre_px);
   error.distortion_px = draw(o.distortion_px);
@@ -92,6 +94,8 @@ Calibration Miscalibrated(Calibration calibration, const CalibrationError& error
     R_CI = (R_CI * ExpSo3(kRadPerDeg * error.imu_deg)).normalized();
   }
   if (calibration.standing) {
+    calibration.standing->height_sigma = error.height_sigma;
+    calibration.standing->pitch_sigma = error.pitch_sigma;
     calibration.standing->height_m *= 1 + 0.01 * error.height_pct;
     // A camera that looks further down sees "up" turned towards its own backward axis, -z.
     if (error.pitch_deg != 0) {

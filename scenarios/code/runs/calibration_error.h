@@ -25,7 +25,8 @@ namespace gaitcam {
 /// One draw of every error; the defaults change nothing.
 struct CalibrationError {
   using DescribedTag = void;
-  LensUncertainty lens;  ///< What the bench says of its own errors.
+  LensUncertainty lens;  ///< What the bench says of its own errors, here and in the two below.
+  double height_sigma = 0, pitch_sigma = 0;
   double focal_pct = 0;
   Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
   double distortion_px = 0;

@@ -63,7 +63,12 @@ Json JsonOf(const Calibration& c) {
                  {"accel_noise_density", i.accel_noise_density},
                  {"accel_random_walk", i.accel_random_walk},
                  {"X_CI", JsonOf(i.X_CI)}};
-  if (c.standing) json["standing"] = {{"height_m", c.standing->height_m}, {"up_C", JsonOf(c.standing->up_C)}};
+  if (c.standing) {
+    json["standing"] = {{"height_m", c.standing->height_m},
+                        {"up_C", JsonOf(c.standing->up_C)},
+                        {"height_sigma", c.standing->height_sigma},
+                        {"pitch_sigma", c.standing->pitch_sigma}};
+  }
   return json;
 }
 
@@ -130,9 +135,9 @@ Calibration CalibrationOf(const Json& json) {
   c.imu.accel_random_walk = imu.at("accel_random_walk");
   c.imu.X_CI = PoseOf(imu.at("X_CI"), "X_CI");
   if (json.contains("standing")) {
-    c.standing.emplace();
-    c.standing->height_m = json.at("standing").at("height_m");
-    c.standing->up_C = VectorOf(json.at("standing").at("up_C"), "up_C");
+    const Json& standing = json.at("standing");
+    c.standing = {standing.at("height_m"), VectorOf(standing.at("up_C"), "up_C"), standing.at("height_sigma"),
+                  standing.at("pitch_sigma")};
   }
   return c;
 }

@@ -103,6 +103,8 @@ TEST(FrameProtocol, TheStartTellsCalibrationSeedAndSettings) {
   EXPECT_EQ(read.calibration.X_LR.rotation.coeffs(), sent.calibration.X_LR.rotation.coeffs());
   EXPECT_EQ(read.calibration.imu.X_CI.translation, sent.calibration.imu.X_CI.translation);
   EXPECT_EQ(read.calibration.standing->up_C, sent.calibration.standing->up_C);
+  EXPECT_EQ(read.calibration.standing->height_sigma, sent.calibration.standing->height_sigma);
+  EXPECT_EQ(read.calibration.standing->pitch_sigma, sent.calibration.standing->pitch_sigma);
 }
 
 TEST(FrameProtocol, AnAnswerArrivesToTheBit) {
