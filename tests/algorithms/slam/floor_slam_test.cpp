@@ -123,6 +123,27 @@ TEST(FloorSlam, AfterALossItSaysThatItsWayIsAGuess) {
   for (const FrameEstimate& frame : after) EXPECT_GT(position_sigma(frame), 0.1) << "a second at walking speed";
 }
 
+TEST(FloorSlam, SaysHowWrongItsCalibrationMayMakeIt) {
+  const DrawnFloor floor(11);
+  Calibration calibration = DrawnCalibration();
+  FloorSlam sure(calibration, Options(), 1);
+  calibration.standing->height_sigma = 0.1;
+  calibration.standing->pitch_sigma = 0.02;
+  FloorSlam unsure(calibration, Options(), 1);
+  FrameEstimate exact, wrong;
+  for (int i = 0; i < 100; ++i) {
+    const Observation observation = Observe(Draw(floor, {Round(i)}, 2, uint64_t(i)), i);
+    exact = sure.Track(observation);
+    wrong = unsure.Track(observation);
+  }
+  EXPECT_EQ(wrong.pose.value().translation, exact.pose.value().translation) << "the pose is the same";
+  const Eigen::Vector3d at = exact.pose->translation;
+  const Matrix6d more = *wrong.covariance - *exact.covariance;
+  // The scale is that of the height: so much of the way from the start, and of the height; the tilt about two axes.
+  EXPECT_NEAR(std::sqrt(more.topLeftCorner<3, 3>().trace()), 0.1 * at.norm(), 0.01 * at.norm());
+  EXPECT_NEAR(std::sqrt(more.bottomRightCorner<3, 3>().trace()), 0.02 * std::sqrt(2), 1e-3);
+}
+
 TEST(FloorSlam, TheSameSeedGivesTheSameBits) {
   constexpr int kFrames = 40;
   const Walked first = Walk(Options(), 4, kFrames), again = Walk(Options(), 4, kFrames);

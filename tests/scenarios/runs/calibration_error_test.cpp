@@ -189,6 +189,23 @@ TEST_F(CalibrationErrorTest, OneErrorIsTheSameWhetherOrNotThereAreOthers) {
   EXPECT_EQ(DrawCalibrationError(pitch, Khr(), 9).pitch_deg, all.pitch_deg);
 }
 
+TEST_F(CalibrationErrorTest, TheBenchSaysHowWrongItMayBeAndFilesKeepIt) {
+  const CalibrationErrorOptions bench = CalibrationErrorOptions::Of(CalibrationErrorPreset::kBench);
+  const Calibration told = Miscalibrated(SomeCalibration(), DrawCalibrationError(bench, Khr(), 3));
+  EXPECT_DOUBLE_EQ(told.lens.focal, 0.003);
+  EXPECT_DOUBLE_EQ(told.lens.centre_px, 1);
+  EXPECT_DOUBLE_EQ(told.lens.right_focal, 0.0005);
+  EXPECT_DOUBLE_EQ(told.standing->height_sigma, 0.02);
+  EXPECT_DOUBLE_EQ(told.standing->pitch_sigma, 0.5 * kRadPerDeg);
+  EXPECT_TRUE(SomeCalibration().lens.IsExact());
+  std::ofstream(temporary_.path() / "calibration.yaml") << CalibrationText(told);
+  EXPECT_EQ(CalibrationText(ReadCalibration(temporary_.path() / "calibration.yaml")), CalibrationText(told));
+  std::string negative = CalibrationText(told);
+  negative.insert(negative.find("pitch_sigma: ") + std::string("pitch_sigma: ").size(), "-");
+  std::ofstream(temporary_.path() / "bad.yaml") << negative;
+  EXPECT_THROW(ReadCalibration(temporary_.path() / "bad.yaml"), BadInput);
+}
+
 TEST_F(CalibrationErrorTest, EachErrorOfTheCalibrationIsTold) {
   const Calibration right = SomeCalibration();
   CalibrationError e;
