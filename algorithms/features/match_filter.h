@@ -35,11 +35,11 @@ struct MatchFilterOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, MatchFilterOptions& o) {
-  visit("filter", o.filter, EnumWords<MatchFilterKind>(),
+  visit("match_filter", o.filter, EnumWords<MatchFilterKind>(),
         "which matches are believed: all, those that ICGM keeps, those that a consensus of all pairs keeps");
   visit("icgm_threshold", o.icgm_threshold, Between(0, 1),
-        "filter: largest ratio of difference of a kept match; 0: 0.08 of icgm, 0.12 of consensus");
-  visit("icgm_automatic", o.icgm_automatic, Nested(), "filter: a threshold of its own for each pair of images");
+        "match_filter: largest ratio of difference of a kept match; 0: 0.08 of icgm, 0.12 of consensus");
+  visit("icgm_automatic", o.icgm_automatic, Nested(), "match_filter: a threshold of its own for each pair of images");
 }
 
 /// In the order of `matches`. Without a filter all, and nothing is drawn; else fewer than 2 matches keep none.

@@ -70,10 +70,10 @@ TEST(Systems, ASensorIsMissingExactlyWhenTheCalibrationHasNone) {
 
 TEST(Systems, IcgmVoIsThesisVoWithAnotherDetectorAndAFilter) {
   SystemSettings settings = InfoOfSystem("icgm_vo").Defaults();
-  EXPECT_EQ(settings.at("filter").text(), "icgm");
+  EXPECT_EQ(settings.at("match_filter").text(), "icgm");
   EXPECT_EQ(settings.at("feature").text(), "surf");
   const SystemSettings thesis = InfoOfSystem("thesis_vo").Defaults();
-  for (const char* key : {"filter", "feature"}) {
+  for (const char* key : {"match_filter", "feature"}) {
     EXPECT_FALSE(settings.at(key) == thesis.at(key)) << key;
     settings[key] = thesis.at(key);
   }
