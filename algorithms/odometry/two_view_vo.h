@@ -4,9 +4,8 @@
 /// frame is paired with the one before it.
 ///
 /// 1. Features of the frame, by a detector with its standard threshold.
-/// 2. Matches with the frame before, nearest neighbours by best bin first. `match_filter` lets fewer of them pass,
-/// which is
-///    the odometry of Hua, section 6.2: there the steps after it are not told.
+/// 2. Matches with the frame before, nearest neighbours by best bin first. `match_filter` lets fewer of them pass: that
+///    is the odometry of Hua, section 6.2, which does not tell the steps after it.
 /// 3. Hypotheses of the essential matrix from five matches each.
 /// 4. The most likely one by MLESAC; errors are distances from epipolar lines.
 /// 5. Of its four decompositions the one with most points in front of both cameras.
