@@ -211,24 +211,19 @@ LensErrors StereoMap::LensErrorsBetween(int from, int to) const {
   return errors;
 }
 
-LensErrors StereoMap::LensErrorsSince(const std::vector<std::pair<int, RigSighting>>& sightings,
-                                      const Pose& X_KC) const {
-  return LensErrorsOfStep(int(keyframes_.size()) - 1, sightings, X_KC);
-}
-
-LensErrors StereoMap::LensErrorsOfStep(int from, const std::vector<std::pair<int, RigSighting>>& sightings,
-                                       const Pose& X_FT) const {
+LensErrors StereoMap::LensErrorsFrom(int keyframe, const std::vector<std::pair<int, RigSighting>>& sightings,
+                                     const Pose& X_KC) const {
   if (options_.lens.IsExact()) return LensErrors::Zero();
   PointsInBoth points;
   for (const auto& [landmark, images] : sightings) {
     if (!images.has_right) continue;
     for (const StereoObservation& seen : landmarks_[size_t(landmark)].observations) {
-      if (seen.keyframe != from || !seen.images.has_right) continue;
+      if (seen.keyframe != keyframe || !seen.images.has_right) continue;
       points.A.push_back(seen.images);
       points.B.push_back(images);
     }
   }
-  return LensErrorsOfMotion(points, rig_, X_FT, options_.lens);
+  return LensErrorsOfMotion(points, rig_, X_KC, options_.lens);
 }
 
 void StereoMap::GrowLensErrors() {
@@ -242,7 +237,7 @@ void StereoMap::GrowLensErrors() {
     sightings.emplace_back(l, observations.back().images);
   }
   const Pose step = keyframes_[size_t(newest - 1)].Inverse() * keyframes_[size_t(newest)];
-  lens_errors_.back() = LensErrorsOfStep(newest - 1, sightings, step);
+  lens_errors_.back() = LensErrorsFrom(newest - 1, sightings, step);
 }
 
 /// Its distance from the camera is known to a part of it: observations that were given up may leave too few.

@@ -92,9 +92,10 @@ class StereoMap {
   Matrix6d OwnCovariance(int keyframe) const { return options_.points_per_error * own_[size_t(keyframe)]; }
   /// What the lenses' calibration does to the motion between two keyframes, beside all covariances.
   LensErrors LensErrorsBetween(int from, int to) const;
-  /// The same of the motion from the newest keyframe to a frame.
-  /// @param sightings of landmarks, as (landmark, images)
-  LensErrors LensErrorsSince(const std::vector<std::pair<int, RigSighting>>& sightings, const Pose& X_KC) const;
+  /// The same of the motion from a keyframe K to a frame.
+  /// @param sightings of landmarks in the frame, as (landmark, images); those count that K saw with both cameras, too
+  LensErrors LensErrorsFrom(int keyframe, const std::vector<std::pair<int, RigSighting>>& sightings,
+                            const Pose& X_KC) const;
 
  private:
   struct Window;
@@ -105,8 +106,6 @@ class StereoMap {
   void LearnRig(const StereoBundleResult& result);
   void GrowShared(const StereoBundleResult& result);
   void GrowLensErrors();
-  LensErrors LensErrorsOfStep(int from, const std::vector<std::pair<int, RigSighting>>& sightings,
-                              const Pose& X_FT) const;
   void AddLandmarks(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches);
   bool IsKnown(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& covariance) const;
   void RetireUnseen();

@@ -206,7 +206,7 @@ bool StereoVo::Tracker::Localize(const StereoView& view, Record& record) {
     sighting.has_right &= found->result.use[m] == SightingUse::kBoth;
     record.sightings.emplace_back(found->matches[m].landmark, sighting);
   }
-  record.lens_errors = map_.LensErrorsSince(record.sightings, record.X_KC);
+  record.lens_errors = map_.LensErrorsFrom(record.keyframe, record.sightings, record.X_KC);
   Answer(found->result, landmarks, live_, record);
   Remember({record.answer.stamp_ns, X_WC}, LargestSigma(record.answer.own_covariance->bottomRightCorner<3, 3>()));
   Extend(view, *found);
