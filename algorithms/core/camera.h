@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 
 #include "algorithms/core/pose.h"
@@ -69,6 +70,24 @@ struct LensUncertainty {
   bool IsExact() const { return focal == 0 && centre_px == 0 && right_focal == 0; }
 };
 
+/// The depth camera, whose pixels are those of the left image. All zero: exact.
+struct DepthCalibration {
+  double sigma_m = 0;      ///< Standard deviation of a depth at any distance, m ...
+  double sigma_per_m = 0;  ///< ... and of one that grows with the distance's square, m at 1 m.
+
+  double Sigma(double depth_m) const { return std::hypot(sigma_m, sigma_per_m * depth_m * depth_m); }
+};
+
+/// The body's odometry. The body's frame B has its origin on the floor below the trunk, x forward, z up. Errors are a
+/// random walk: their variances grow in proportion to the way.
+struct OdometryCalibration {
+  double rate_hz = 0;               ///< 0: the body has none.
+  Pose X_BC;                        ///< Maps points of the (left) camera frame into B, the robot standing.
+  double position_per_sqrt_m = 0;   ///< Standard deviation of the position after 1 m, each of x and y; m.
+  double heading_per_sqrt_m = 0;    ///< Of the heading after 1 m; rad.
+  double heading_per_sqrt_rad = 0;  ///< Of the heading after a turn of 1 rad; rad.
+};
+
 /// What a SLAM system is told about the sensors: everything that a calibration would yield, and nothing more.
 struct Calibration {
   CameraModel camera;                ///< Left, or the only one.
@@ -76,6 +95,8 @@ struct Calibration {
   Pose X_LR;                         ///< Maps points of the right camera into the left one.
   LensUncertainty lens;
   bool has_depth = false;
+  DepthCalibration depth;
+  OdometryCalibration odometry;
   double frame_rate_hz = 0;
   double readout_ms = 0;  ///< Rolling shutter: from the first row's exposure to the last row's; 0: global shutter.
   ImuCalibration imu;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "algorithms/core/image.h"
+#include "algorithms/core/planar_pose.h"
 
 namespace gaitcam {
 
@@ -27,6 +28,12 @@ struct JointSample {
   bool right_contact = false;
 };
 
+/// One reading of the body's own odometry: how its wheels or legs say that it has moved over the floor.
+struct OdometrySample {
+  int64_t stamp_ns = 0;
+  PlanarPose X_OB;  ///< Body (OdometryCalibration, camera.h) in O, where it stood at the start. Its errors add up.
+};
+
 /// Where the camera of a robot looks that stands and turns it to see all around, by the robot's own joints and steps.
 struct ScanState {
   double pan_rad = 0;        ///< Camera against the trunk about the vertical, at mid-exposure; left is positive.
@@ -42,6 +49,7 @@ struct Observation {
   std::optional<Image> depth;       ///< RGB-D rigs only, CV_32FC1, metres.
   std::vector<ImuSample> imu;       ///< In time order, after the previous frame's last, up to this shutter's close.
   std::vector<JointSample> joints;  ///< Likewise. Empty when read from a dataset that has none.
+  std::vector<OdometrySample> odometry;  ///< Likewise, of the body. Empty where it has none.
   std::optional<ScanState>
       scan;  ///< Set while the robot stands and scans, as the system asked (a Scan, body_command.h).
 };
