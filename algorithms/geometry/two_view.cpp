@@ -8,6 +8,7 @@
 #include "algorithms/core/median.h"
 #include "algorithms/core/se3.h"
 #include "algorithms/core/small_solvers.h"
+#include "algorithms/core/units.h"
 #include "algorithms/geometry/homography.h"
 #include "algorithms/geometry/relative_motion.h"
 #include "algorithms/geometry/robust.h"
@@ -92,7 +93,10 @@ double Score(const std::vector<PointPair>& pairs, const RelativeMotion& motion, 
 
 struct ScoredMotion {
   RelativeMotion motion;
-  double score;
+  double score = 0;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Of the plane that allows it, towards the cameras; or zero.
+
+  Eigen::Vector3d Direction() const { return -motion.R.transpose() * motion.t; }  ///< Of B's position in A.
 };
 
 void SortByScore(std::vector<ScoredMotion>& motions) {
@@ -109,21 +113,36 @@ ScoredMotion Descend(const std::vector<PointPair>& pairs, const std::vector<int>
   return {best, Score(pairs, best, threshold)};
 }
 
+/// The motions that the homography of a plane in front of camera A allows; the lowest score first. A homography has
+/// three numbers more than a motion, but of a plane it leaves no worse: the plane's normal. "In front" is what most of
+/// the pairs say: some far ones are of other things, and lie beyond the plane's horizon.
+std::vector<ScoredMotion> PlaneCandidates(const std::vector<PointPair>& pairs, const std::vector<int>& use,
+                                          const Eigen::Matrix3d& H, double threshold) {
+  std::vector<ScoredMotion> candidates;
+  for (const PlaneMotion& plane : DecomposeHomography(H)) {
+    if (!(plane.t.norm() > 0)) continue;
+    const auto in_front = std::count_if(use.begin(), use.end(),
+                                        [&](int i) { return plane.normal.dot(pairs[size_t(i)].a.homogeneous()) > 0; });
+    if (2 * in_front < std::ptrdiff_t(use.size())) continue;
+    const RelativeMotion motion{plane.R, plane.t.normalized()};
+    candidates.push_back({motion, Score(pairs, motion, threshold), -plane.normal});
+  }
+  SortByScore(candidates);
+  return candidates;
+}
+
 /// Small motions leave the two-view error with several minima, of which some trade a sideways motion for a turn
 /// (Chiuso, Brockett and Soatto, IJCV 2000), and views of a plane have two. So descends from the robust answer, from
-/// its rotation with each axis as direction, and from what the inliers' homography allows. Lowest score first.
+/// its rotation with each axis as direction, and from what the inliers' homography allows (`planes`). Lowest score
+/// first.
 std::vector<ScoredMotion> RefineFromSeveral(const std::vector<PointPair>& pairs, const std::vector<int>& inliers,
-                                            const RelativeMotion& found, const std::optional<Eigen::Matrix3d>& H,
+                                            const RelativeMotion& found, const std::vector<ScoredMotion>& planes,
                                             const Eigen::Matrix3d& R_alone, double threshold) {
   std::vector<RelativeMotion> starts = {found};
   for (const Eigen::Matrix3d& R : {found.R, R_alone}) {
     for (int axis = 0; axis < 3; ++axis) starts.push_back({R, Eigen::Vector3d::Unit(axis)});
   }
-  if (H) {
-    for (const PlaneMotion& motion : DecomposeHomography(*H)) {
-      if (motion.t.norm() > 0 && motion.normal.z() > 0) starts.push_back({motion.R, motion.t.normalized()});
-    }
-  }
+  for (const ScoredMotion& candidate : planes) starts.push_back(candidate.motion);
   std::vector<ScoredMotion> refined;
   for (const RelativeMotion& start : starts) refined.push_back(Descend(pairs, inliers, start, threshold));
   SortByScore(refined);
@@ -135,29 +154,6 @@ std::vector<ScoredMotion> RefineFromSeveral(const std::vector<PointPair>& pairs,
     refined.front() = again;
   }
   return refined;
-}
-
-/// The motions that a plane's homography allows, with the plane in front of both cameras; the lowest score first. A
-/// homography has three numbers more than a motion, but of a plane it leaves no worse: the plane's normal.
-std::vector<ScoredMotion> PlaneCandidates(const std::vector<PointPair>& pairs, const std::vector<int>& use,
-                                          const Eigen::Matrix3d& H, double threshold) {
-  std::vector<ScoredMotion> candidates;
-  std::vector<int> in_front;
-  for (const PlaneMotion& plane : DecomposeHomography(H)) {
-    if (!(plane.t.norm() > 0)) continue;
-    const RelativeMotion motion{plane.R, plane.t.normalized()};
-    int count = 0;
-    for (const int i : use) count += plane.normal.dot(pairs[size_t(i)].a.homogeneous()) > 0;
-    candidates.push_back({motion, Score(pairs, motion, threshold)});
-    in_front.push_back(count);
-  }
-  const int max_count = in_front.empty() ? 0 : *std::max_element(in_front.begin(), in_front.end());
-  constexpr double kNearlyAll = 0.95;
-  for (size_t i = in_front.size(); i-- > 0;) {
-    if (in_front[i] < kNearlyAll * max_count) candidates.erase(candidates.begin() + long(i));
-  }
-  SortByScore(candidates);
-  return candidates;
 }
 
 /// Torr's geometric robust information criterion: smaller is the better model of `n` pairs.
@@ -194,6 +190,35 @@ Verdict Judge(const std::vector<PointPair>& pairs, const std::vector<int>& use, 
   const double plane = H ? Gric(use, sigma2, 2, 8, flat) : general;
   if (turn < general && turn <= plane) return Verdict::kTurn;
   return plane < general ? Verdict::kPlane : Verdict::kGeneral;
+}
+
+/// Of the motions that a plane allows: where one of them has a level plane below, the others take the direction of
+/// travel for the plane's normal. They go, unless that one explains the pairs much worse: then no motion is certain.
+void PreferFloor(const std::optional<Eigen::Vector3d>& up_A, std::vector<ScoredMotion>& planes) {
+  constexpr double kLevel_rad = 30 * kRadPerDeg, kMuchWorse = 2;
+  if (!up_A) return;
+  const auto floor = std::find_if(planes.begin(), planes.end(), [&](const ScoredMotion& plane) {
+    return plane.normal.dot(*up_A) > std::cos(kLevel_rad);
+  });
+  if (floor == planes.end()) return;
+  const ScoredMotion of_floor = *floor;
+  if (of_floor.score <= kMuchWorse * planes.front().score) {
+    planes = {of_floor};
+  } else {
+    planes = {planes.front(), {of_floor.motion, planes.front().score, of_floor.normal}};
+  }
+}
+
+/// A motion in another direction that explains the pairs about as well as the first and best of `sorted`.
+std::optional<Pose> Alternative(const std::vector<ScoredMotion>& sorted) {
+  constexpr double kAboutAsGood = 1.2;  // scores are sums of squares: 1.1 times the residual
+  constexpr double kSame_rad = 15 * kRadPerDeg;
+  for (const ScoredMotion& other : sorted) {
+    if (!(other.score < kAboutAsGood * sorted.front().score)) break;
+    if (other.Direction().dot(sorted.front().Direction()) > std::cos(kSame_rad)) continue;
+    return Pose(other.motion.R, other.motion.t).Inverse();
+  }
+  return {};
 }
 
 std::vector<int> InliersOfTurn(const std::vector<PointPair>& pairs, const Eigen::Matrix3d& R, double threshold) {
@@ -239,20 +264,23 @@ TwoView DescribeTwoView(const std::vector<PointPair>& pairs, const RelativeMotio
 }
 
 TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d& E, const std::vector<int>& found,
-                      double threshold) {
+                      double threshold, const std::optional<Eigen::Vector3d>& up_A) {
   TwoView result;
   result.X_AB.translation = Eigen::Vector3d::UnitX();
   if (found.size() < kMinPairs) return result;
   const std::optional<Eigen::Matrix3d> H = EstimateHomographyRobustly(pairs, found, threshold / 2);
   const Eigen::Matrix3d R_alone = RotationAlone(pairs, found, threshold / 2);
+  std::vector<ScoredMotion> planes;
+  if (H) planes = PlaneCandidates(pairs, found, *H, threshold);
   std::vector<ScoredMotion> candidates =
-      RefineFromSeveral(pairs, found, ChooseByDepth(E, pairs, found), H, R_alone, threshold);
+      RefineFromSeveral(pairs, found, ChooseByDepth(E, pairs, found), planes, R_alone, threshold);
   const Verdict verdict = Judge(pairs, found, candidates.front().motion, H, R_alone, threshold);
   result.rotation_only = verdict == Verdict::kTurn;
   result.planar = verdict == Verdict::kPlane;
-  if (result.rotation_only) candidates = {{{R_alone, candidates.front().motion.t}, 0}};
-  if (result.planar) candidates = PlaneCandidates(pairs, found, *H, threshold);
+  if (result.rotation_only) candidates = {{{R_alone, candidates.front().motion.t}}};
+  if (result.planar) candidates = planes;
   if (candidates.empty()) return result;
+  if (result.planar) PreferFloor(up_A, candidates);
   const RelativeMotion& motion = candidates.front().motion;
   result.X_AB = Pose(motion.R, motion.t).Inverse();
   result.inliers =
@@ -261,10 +289,7 @@ TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d
   if (result.inliers.empty()) return result;
   result.direction_sigma = DirectionSigma(pairs, result.inliers, motion);
   result.parallax = MedianParallax(pairs, result.inliers, motion.R);
-  constexpr double kAboutAsGood = 1.2;  // scores are sums of squares: 1.1 times the residual
-  if (result.planar && candidates.size() > 1 && candidates[1].score < kAboutAsGood * candidates[0].score) {
-    result.alternative = Pose(candidates[1].motion.R, candidates[1].motion.t).Inverse();
-  }
+  result.alternative = Alternative(candidates);
   return result;
 }
 

@@ -25,8 +25,8 @@ struct TwoView {
                                     ///< of first order, from the inliers' residuals. Large for small motions.
   bool rotation_only = false;       ///< GRIC prefers a rotation alone: X_AB holds it, with an arbitrary direction.
   bool planar = false;              ///< GRIC prefers a plane's homography.
-  std::optional<Pose> alternative;  ///< Two views of a plane allow two poses: the other one, where it explains the
-                                    ///< pairs about as well.
+  std::optional<Pose> alternative;  ///< Another pose, in another direction, that explains the pairs about as well: two
+                                    ///< views of a plane allow two, and small motions may have several.
 };
 
 /// Five-point hypotheses judged as `options.estimator` says, choice among the four decompositions by depths in front,
@@ -46,7 +46,9 @@ RansacResult<Eigen::Matrix3d> EstimateEssential(const std::vector<PointPair>& pa
 TwoView DescribeTwoView(const std::vector<PointPair>& pairs, const RelativeMotion& motion, double threshold);
 
 /// EstimateTwoView from a given essential matrix and its inliers.
+/// @param up_A unit vector against gravity in camera A, if known: a plane that it makes a floor settles which of the
+/// two motions that a plane allows is the true one
 TwoView RefineTwoView(const std::vector<PointPair>& pairs, const Eigen::Matrix3d& E, const std::vector<int>& inliers,
-                      double threshold);
+                      double threshold, const std::optional<Eigen::Vector3d>& up_A = {});
 
 }  // namespace gaitcam

@@ -108,6 +108,8 @@ class KeyframeVo::Tracker {
     return localizer_.PredictPosition(last_->pose.translation, stamp_ns - last_->stamp_ns, median_depth_);
   }
 
+  std::optional<Eigen::Vector3d> UpNow() const { return metric_ ? std::optional(metric_->up_C.up_C()) : std::nullopt; }
+
   FrameEstimate Answer(const Observation& observation);
   bool Initialize(FrameView& view, std::optional<Pose>& predicted);
   Pose PredictPose(const Observation& observation) const;
@@ -189,7 +191,7 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
 /// @param predicted set to the rotation alone, where that is asked for and there is no map yet
 /// @returns whether there is a map now, and the frame has a pose in it
 bool KeyframeVo::Tracker::Initialize(FrameView& view, std::optional<Pose>& predicted) {
-  const MapInitializer::Result result = initializer_.Add(view, random_);
+  const MapInitializer::Result result = initializer_.Add(view, UpNow(), random_);
   if (result == MapInitializer::Result::kReference) {
     waiting_.clear();
     X_WR_ = expected_;

@@ -10,7 +10,8 @@
 
 namespace gaitcam {
 
-MapInitializer::Result MapInitializer::Add(const FrameView& view, RandomStream& random) {
+MapInitializer::Result MapInitializer::Add(const FrameView& view, const std::optional<Eigen::Vector3d>& up_C,
+                                           RandomStream& random) {
   ++frames_;
   rotation_.reset();
   std::vector<Match> matches;
@@ -29,6 +30,7 @@ MapInitializer::Result MapInitializer::Add(const FrameView& view, RandomStream& 
     reference_.reset();
     if (view.features.size() >= options_.min_start_points) {
       reference_ = view;
+      reference_up_ = up_C;
       rotation_ = Eigen::Quaterniond::Identity();
     }
     return Result::kReference;
@@ -47,7 +49,7 @@ TwoView MapInitializer::Reconstruct(const std::vector<PointPair>& pairs, RandomS
   const auto found = EstimateEssential(pairs, ransac, random, EpipolarDistance2);
   constexpr size_t kMinInliers = 15;  // of fewer the refinement does not make a map's
   if (found.inliers.size() < kMinInliers) return {};
-  return RefineTwoView(pairs, found.model, found.inliers, threshold());
+  return RefineTwoView(pairs, found.model, found.inliers, threshold(), reference_up_);
 }
 
 /// Maximum likelihood with all points at infinity.

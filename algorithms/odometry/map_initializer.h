@@ -3,7 +3,7 @@
 ///
 /// The reference is matched with each new frame; five-point hypotheses are judged by a robust estimator, the best is
 /// decomposed by points in front (thesis 5.4, steps 2 to 5) and refined by least squares. A rotation alone, or a plane
-/// that allows two motions, initialises nothing.
+/// that allows two motions, initialises nothing, unless gravity says that the plane is the floor.
 
 #pragma once
 
@@ -83,7 +83,9 @@ class MapInitializer {
   MapInitializer(const CameraModel& camera, const MapInitializerOptions& options)
       : camera_(camera), options_(options) {}
 
-  Result Add(const FrameView& view, RandomStream& random);
+  /// @param up_C unit vector against gravity in the frame's camera, where it is known: the floor, which often fills the
+  /// view, then leaves no doubt about the motion.
+  Result Add(const FrameView& view, const std::optional<Eigen::Vector3d>& up_C, RandomStream& random);
 
   /// Of the last call, if that returned kInitialized.
   const InitialPair& pair() const { return pair_; }
@@ -107,6 +109,7 @@ class MapInitializer {
   CameraModel camera_;
   MapInitializerOptions options_;
   std::optional<FrameView> reference_;
+  std::optional<Eigen::Vector3d> reference_up_;
   int frames_ = 0;  ///< Since Reset or since a map was initialised.
   int misses_ = 0;  ///< Of these the latest that did not match the reference.
   InitialPair pair_;

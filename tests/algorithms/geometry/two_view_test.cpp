@@ -9,6 +9,7 @@
 #include <opengv/sac/Ransac.hpp>
 #include <opengv/sac_problems/relative_pose/CentralRelativePoseSacProblem.hpp>
 
+#include "algorithms/core/se3.h"
 #include "tests/algorithms/geometry/view_pairs.h"
 
 namespace gaitcam {
@@ -180,6 +181,43 @@ INSTANTIATE_TEST_SUITE_P(, AgainstPeers,
                                          Comparison{"Plane", Scene::kPlane, 20, 0.5, false},
                                          Comparison{"Turn", Scene::kDeep, 20, 0.5, true}),
                          [](const auto& info) { return info.param.name; });
+
+/// Floor 1.3 m below a camera that looks ahead and a little down, and goes ahead; a few points high on a wall behind.
+ViewPairs FloorAhead(uint64_t seed) {
+  RandomStream random(seed, "floor");
+  const Eigen::Vector3d up(0, -std::cos(0.2), -std::sin(0.2));
+  ViewPairs views;
+  views.X_AB = Pose(ExpSo3({0.01 * random.Normal(), 0.03 * random.Normal(), 0}),
+                    {random.Uniform(-0.1, 0.1), random.Uniform(-0.02, 0.02), 0.35});
+  const auto noisy = [&](const Eigen::Vector3d& p) -> Eigen::Vector2d {
+    return p.hnormalized() + Eigen::Vector2d(random.Normal(), random.Normal()) * 0.3 / kFocalPx;
+  };
+  for (int i = 0; i < 200; ++i) {
+    const bool on_wall = i % 10 == 0;
+    Eigen::Vector3d p_A(random.Uniform(-2, 2), 0, random.Uniform(2, 6));
+    p_A.y() = (1.3 + up.z() * p_A.z()) / -up.y();  // up . p_A = -1.3
+    if (on_wall) p_A = {random.Uniform(-3, 3), random.Uniform(-3, -1), 12};
+    views.pairs.push_back({noisy(p_A), noisy(views.X_AB.Inverse() * p_A)});
+  }
+  return views;
+}
+
+TEST(TwoView, GravitySettlesWhichOfAFloorsTwoMotionsIsTrue) {
+  const Eigen::Vector3d up_A(0, -std::cos(0.3), -std::sin(0.3));  // 6 degrees wrong, as a walker's pitch may be
+  constexpr double kThreshold = 2 / kFocalPx;
+  int certain_without = 0;
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    const ViewPairs views = FloorAhead(seed);
+    RandomStream random(seed, "ransac");
+    const auto found = EstimateEssential(views.pairs, TwoViewOptions(2), random, SampsonError2);
+    const TwoView without = RefineTwoView(views.pairs, found.model, found.inliers, kThreshold);
+    const TwoView with = RefineTwoView(views.pairs, found.model, found.inliers, kThreshold, up_A);
+    certain_without += !without.alternative;
+    if (with.alternative) continue;  // it says that it does not know
+    EXPECT_LT(DirectionError(with.X_AB, views.X_AB), 0.15) << seed << ": the other motion is some 1.5 rad away";
+  }
+  printf("%d of 30 certain without gravity\n", certain_without);
+}
 
 TEST(TwoView, WithoutEnoughToGoByThereIsNoPose) {
   RandomStream random(1, "ransac");
