@@ -1,6 +1,7 @@
 #include "algorithms/core/option_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "algorithms/core/did_you_mean.h"
@@ -30,13 +31,24 @@ void ReadNumbers(const OptionValue& node, Eigen::Matrix<double, N, 1>& value) {
   for (int i = 0; i < N; ++i) ReadOption(node.Element(size_t(i)), value[i]);
 }
 
+/// No quantity that is read is larger, and arithmetic with two such numbers stays finite.
+constexpr double kLargest = 1e9;
+
+void RefuseHuge(const OptionValue& node, double value) {
+  if (std::abs(value) <= kLargest) return;  // not a number is not
+  throw BadOption(node.Located(node.text() + " is not permitted; expected a number from -1e9 to 1e9"));
+}
+
 constexpr const char* kNumber = "a number";
 constexpr const char* kWhole = "a whole number";
 constexpr const char* kUnsigned = "a whole number of at least 0";
 
 }  // namespace
 
-void ReadOption(const OptionValue& node, double& value) { ReadScalar(node, value, node.AsNumber(), kNumber); }
+void ReadOption(const OptionValue& node, double& value) {
+  ReadScalar(node, value, node.AsNumber(), kNumber);
+  RefuseHuge(node, value);
+}
 void ReadOption(const OptionValue& node, int& value) { ReadScalar(node, value, node.AsInt(), kWhole); }
 void ReadOption(const OptionValue& node, uint64_t& value) { ReadScalar(node, value, node.AsUnsigned(), kUnsigned); }
 void ReadOption(const OptionValue& node, bool& value) { ReadScalar(node, value, node.AsFlag(), "true or false"); }
@@ -55,6 +67,7 @@ void ReadOption(const OptionValue& node, std::map<std::string, double>& value) {
 void ReadOption(const OptionValue& node, double& value, const Interval& limits) {
   ReadScalar(node, value, node.AsNumber(), kNumber, limits.ToText());
   RefuseOutside(node, value, limits);
+  RefuseHuge(node, value);
 }
 
 void ReadOption(const OptionValue& node, int& value, const Interval& limits) {

@@ -7,6 +7,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/text_table.h"
+#include "algorithms/io/whole_file.h"
 
 namespace gaitcam {
 namespace {

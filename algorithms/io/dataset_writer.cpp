@@ -13,6 +13,7 @@
 #include "algorithms/io/program_settings.h"
 #include "algorithms/io/text_table.h"
 #include "algorithms/io/trajectory_file.h"
+#include "algorithms/io/whole_file.h"
 #include "algorithms/io/writer_pool.h"
 
 namespace gaitcam {
@@ -47,14 +48,13 @@ void WriteText(const fs::path& file, const std::string& text) {
   WriteWholeFile(file, text);
 }
 
-/// A folder that gets its name when it is whole; until then it is NAME.partial, and is removed if abandoned.
+/// A folder that gets its name when it is whole; until then it has one of this process's own, and is removed if
+/// abandoned.
 class PendingFolder {
  public:
-  explicit PendingFolder(fs::path wanted) : wanted_(std::move(wanted)), path_(wanted_) {
-    path_ += ".partial";
-    for (const fs::path& taken : {wanted_, path_}) {
-      if (fs::exists(taken)) throw BadInput(taken.string() + ": exists already; remove it or choose another name");
-    }
+  explicit PendingFolder(fs::path wanted) : wanted_(std::move(wanted)), path_(UnfinishedNameFor(wanted_)) {
+    if (fs::exists(wanted_)) throw BadInput(wanted_.string() + ": exists already; remove it or choose another name");
+    RemoveAbandoned(wanted_);
     MakeFolder(path_);
   }
   ~PendingFolder() {

@@ -172,18 +172,4 @@ bool ParseSeconds(std::string_view text, int64_t& stamp_ns) {
   return true;
 }
 
-void WriteWholeFile(const std::filesystem::path& file, std::string_view content) {
-  std::filesystem::path temporary = file;
-  temporary += ".partial";
-  {
-    std::ofstream stream(temporary, std::ios::binary);
-    stream.write(content.data(), std::streamsize(content.size()));
-    stream.flush();
-    if (!stream) throw MissingResource(file.string() + ": cannot write this file");
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, file, error);
-  if (error) throw MissingResource(file.string() + ": cannot write this file: " + error.message());
-}
-
 }  // namespace gaitcam

@@ -57,7 +57,4 @@ std::string SecondsText(int64_t stamp_ns);
 /// Nanoseconds of a decimal number of seconds, without going through a double. @returns false if it is not a number.
 bool ParseSeconds(std::string_view text, int64_t& stamp_ns);
 
-/// Writes a whole file under a temporary name beside it, then renames it. @throws MissingResource.
-void WriteWholeFile(const std::filesystem::path& file, std::string_view content);
-
 }  // namespace gaitcam

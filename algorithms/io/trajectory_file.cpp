@@ -9,6 +9,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/io/text_table.h"
+#include "algorithms/io/whole_file.h"
 
 namespace gaitcam {
 namespace {

@@ -53,6 +53,10 @@ Path::Path(const PathOptions& options, const Pose& start) : start_(start) {
   } else if (options.kind == PathKind::kPolyline) {
     AddPolyline(options);
   }
+  constexpr double kLongest_m = 10000;
+  if (Length() > kLongest_m) {
+    throw BadOption("path: it is " + internal::NumberText(Length()) + " m long; expected at most 10000 m");
+  }
 }
 
 Path Path::ToGoal(const PlanarPose& start, const PlanarPose& goal) {

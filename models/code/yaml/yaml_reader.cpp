@@ -10,7 +10,8 @@
 namespace gaitcam {
 namespace {
 
-constexpr int kMaxDepth = 64;  // an alias within its own anchor would nest for ever
+constexpr int kMaxDepth = 64;          // an alias within its own anchor would nest for ever
+constexpr int kMaxValues = 1'000'000;  // aliases of aliases multiply: ten lines may stand for billions of values
 
 OptionOrigin OriginOf(const YAML::Node& node, OptionOrigin origin) {
   const YAML::Mark mark = node.Mark();
@@ -21,13 +22,16 @@ OptionOrigin OriginOf(const YAML::Node& node, OptionOrigin origin) {
 }
 
 /// `origin` names the file or the assignment; the line is the node's.
-OptionValue FromNode(const YAML::Node& node, const OptionOrigin& origin, int depth = 0) {
+/// @param values of the whole text so far
+OptionValue FromNode(const YAML::Node& node, const OptionOrigin& origin, int& values, int depth = 0) {
   const OptionOrigin here = OriginOf(node, origin);
   if (depth > kMaxDepth) OptionValue::Nothing(here).Fail("nested too deeply");
+  if (++values > kMaxValues)
+    OptionValue::Nothing(here).Fail("more than a million values, aliases counted as often as they stand");
   if (node.IsScalar()) return OptionValue(node.Scalar(), here);
   if (node.IsSequence()) {
     std::vector<OptionValue> elements;
-    for (const YAML::Node& element : node) elements.push_back(FromNode(element, origin, depth + 1));
+    for (const YAML::Node& element : node) elements.push_back(FromNode(element, origin, values, depth + 1));
     return OptionValue::List(std::move(elements), here);
   }
   if (!node.IsMap()) return OptionValue::Nothing(here);
@@ -35,7 +39,8 @@ OptionValue FromNode(const YAML::Node& node, const OptionOrigin& origin, int dep
   for (const auto& entry : node) {
     if (!entry.first.IsScalar())
       OptionValue::Nothing(OriginOf(entry.first, origin)).Fail("expected a plain word as a key");
-    entries.push_back({entry.first.Scalar(), OriginOf(entry.first, origin), FromNode(entry.second, origin, depth + 1)});
+    entries.push_back(
+        {entry.first.Scalar(), OriginOf(entry.first, origin), FromNode(entry.second, origin, values, depth + 1)});
   }
   return OptionValue::Map(std::move(entries), here);
 }
@@ -54,9 +59,14 @@ OptionValue ParseYaml(const std::string& text, const std::string& name) {
   OptionOrigin origin;
   origin.file = name;
   try {
-    const YAML::Node root = YAML::Load(text);
-    if (root.IsNull()) return OptionValue::Map({}, origin);
-    const OptionValue value = FromNode(root, origin);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      OptionValue::Nothing(OriginOf(documents[1], origin))
+          .Fail("a second document begins here; expected one in a file");
+    }
+    if (documents.empty() || documents[0].IsNull()) return OptionValue::Map({}, origin);
+    int values = 0;
+    const OptionValue value = FromNode(documents[0], origin, values);
     if (!value.IsMap()) value.Fail("expected a map of keys and values");
     return value;
   } catch (const YAML::ParserException& e) {
@@ -88,7 +98,8 @@ void SetOption(OptionValue& root, const std::string& assignment) {
   origin.assignment = "--set " + assignment;
   origin.assigned_key = assignment.substr(0, equals);
   try {
-    root.Set(origin.assigned_key, FromNode(YAML::Load(assignment.substr(equals + 1)), origin));
+    int values = 0;
+    root.Set(origin.assigned_key, FromNode(YAML::Load(assignment.substr(equals + 1)), origin, values));
   } catch (const YAML::ParserException& e) {
     throw BadInput("--set " + assignment + ": the value is not valid YAML: " + e.msg);
   }

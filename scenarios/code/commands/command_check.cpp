@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/whole_file.h"
 #include "results/reports/check_report.h"
 #include "scenarios/code/commands/commands.h"
 #include "scenarios/code/files/folders.h"
@@ -11,7 +12,6 @@
 #include "scenarios/code/jobs/self_test.h"
 #include "scenarios/code/jobs/suite.h"
 #include "scenarios/code/runs/interrupt.h"
-#include "scenarios/code/runs/output_folder.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -47,8 +47,8 @@ void AppendToStepSummary(const std::string& markdown) {
 }
 
 void WriteReports(const CheckArguments& arguments, const CheckReport& report) {
-  if (!arguments.junit.empty()) WriteTextFile(arguments.junit, CheckJUnit(report));
-  if (!arguments.markdown.empty()) WriteTextFile(arguments.markdown, CheckMarkdown(report));
+  if (!arguments.junit.empty()) WriteWholeFile(arguments.junit, CheckJUnit(report));
+  if (!arguments.markdown.empty()) WriteWholeFile(arguments.markdown, CheckMarkdown(report));
   AppendToStepSummary(CheckMarkdown(report));
 }
 
@@ -99,7 +99,7 @@ int Update(const CheckArguments& arguments, const CommonOptions& common, const S
   const Baseline baseline = MakeBaseline(suite, measured);
   std::error_code error;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
-  WriteTextFile(file, BaselineToJson(baseline));
+  WriteWholeFile(file, BaselineToJson(baseline));
   CheckReport report{suite.options.name, {}, {}, measured.runs, measured.reused, measured.wall_s};
   report.entries = JudgeAgainst(suite, before ? *before : baseline, measured.variants.front().entries);
   if (before) {
@@ -127,7 +127,7 @@ int SelfTest(const CheckArguments& arguments, const CommonOptions& common, const
   CheckComparable(suite, baseline, file);
   const SelfTestResult result = RunSelfTest(suite, baseline, arguments.reruns, options);
   if (result.interrupted) return SayInterrupted();
-  if (!arguments.record.empty()) WriteTextFile(arguments.record, SelfTestMarkdown(suite, result));
+  if (!arguments.record.empty()) WriteWholeFile(arguments.record, SelfTestMarkdown(suite, result));
   if (common.json) {
     fmt::print("{}", SelfTestJson(result));
   } else if (!common.quiet) {

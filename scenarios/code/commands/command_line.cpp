@@ -35,7 +35,12 @@ void AddAll(CLI::App& verb, bool& all) { verb.add_flag("--all", all, "print all 
 void AddCache(CLI::App& verb, SequenceCacheOptions& arguments) {
   verb.add_option("--cache", arguments.folder, "folder of recorded walks (default: ~/.cache/gaitcam/sequences)");
   verb.add_option("--cache-gb", arguments.max_gb, "its largest size; what was used longest ago goes first")
-      ->check(CLI::PositiveNumber)
+      ->check([](const std::string& text) {
+        const std::optional<double> number = OptionValue(text).AsNumber();
+        return number && *number > 0 && *number <= 1e9
+                   ? ""
+                   : text + " is not permitted; expected a number of gigabytes above 0";
+      })
       ->capture_default_str();
 }
 

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "algorithms/core/errors.h"
 #include "scenarios/code/commands/commands.h"
 #include "scenarios/code/datasets/record_matrix.h"
 #include "scenarios/code/runs/interrupt.h"
@@ -34,6 +35,22 @@ SequenceRecord DescribeOrRemove(const DatasetFolders& folders, const SequenceOpt
   }
 }
 
+/// Recordings lie beside each other in a folder; in one that holds other things only, nothing is written.
+void RefuseStrangersFolder(const fs::path& out) {
+  if (!fs::exists(out)) return;
+  if (!fs::is_directory(out)) throw BadInput("--out " + out.string() + ": this is a file; expected a folder's name");
+  bool is_empty = true;
+  for (const auto& item : fs::directory_iterator(out)) {
+    const std::string name = item.path().filename().string();
+    if (name.ends_with("-truth")) return;
+    is_empty = is_empty && name.starts_with('.');
+  }
+  if (!is_empty) {
+    throw BadInput("--out " + out.string() +
+                   ": exists and holds something else (no recording in it); name another folder or remove it");
+  }
+}
+
 /// One scenario into OUT/NAME and OUT/NAME-truth. Frames recorded before Ctrl-C are kept.
 int RecordOne(const RecordArguments& arguments, const CommonOptions& common) {
   const ResolvedScenario resolved = ReadScenario(arguments.scenario.file, arguments.scenario.Assignments());
@@ -46,6 +63,7 @@ int RecordOne(const RecordArguments& arguments, const CommonOptions& common) {
   options.format = sequence.WriterOptions();
   fs::path out = arguments.out;
   if (out.empty()) out = fmt::format("datasets/{}-seed{}", scenario.name, scenario.seed);
+  RefuseStrangersFolder(out);
   const RecordOutcome outcome = RecordScenario(resolved, DatasetFolders::In(out, scenario.name), options);
   const SequenceRecord record = DescribeOrRemove(outcome.folders, sequence, scenario.name);
   if (common.json) {

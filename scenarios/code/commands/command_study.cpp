@@ -5,6 +5,7 @@
 #include <set>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/whole_file.h"
 #include "results/reports/study_report.h"
 #include "results/scoring/score_text.h"
 #include "scenarios/code/commands/commands.h"
@@ -32,7 +33,7 @@ void PrepareFolder(const fs::path& out, const std::string& study_text) {
   fs::create_directories(out, error);
   if (error) throw MissingResource("cannot create the folder " + out.string() + ": " + error.message());
   for (const char* name : kFiles) RemoveUnfinished(out / name);
-  WriteTextFile(out / kMarker, study_text);
+  WriteWholeFile(out / kMarker, study_text);
 }
 
 ExecutorOutcome Execute(const std::vector<WorkItem>& items, const StudyArguments& arguments, const fs::path& out,
@@ -80,11 +81,11 @@ void WriteTables(const Study& study, const std::vector<StudyEffect>& effects, co
   report.study_file = study.text;
   report.facts = FactsOf(study, arguments.file);
   const std::string page = StudyReportHtml(report);  // throws without Chart.js, before anything is written
-  WriteTextFile(out / "summary.csv", SummaryCsv(study.table, report.statistics));
-  WriteTextFile(out / "effects.csv", EffectsCsv(study.table, effects));
-  WriteTextFile(out / "timings.csv", TimingsCsv(study.table));
-  WriteTextFile(out / "report.html", page);
-  WriteTextFile(out / "runs.csv", RunsCsv(study.table));
+  WriteWholeFile(out / "summary.csv", SummaryCsv(study.table, report.statistics));
+  WriteWholeFile(out / "effects.csv", EffectsCsv(study.table, effects));
+  WriteWholeFile(out / "timings.csv", TimingsCsv(study.table));
+  WriteWholeFile(out / "report.html", page);
+  WriteWholeFile(out / "runs.csv", RunsCsv(study.table));
 }
 
 /// Reasons why runs failed, each once.

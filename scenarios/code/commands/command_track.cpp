@@ -4,6 +4,7 @@
 #include "algorithms/io/covariance_file.h"
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/trajectory_file.h"
+#include "algorithms/io/whole_file.h"
 #include "results/scoring/score.h"
 #include "results/scoring/score_text.h"
 #include "scenarios/code/commands/commands.h"
@@ -53,6 +54,7 @@ int TrackCommand(const TrackArguments& arguments, const CommonOptions& common) {
   if (const std::string sandbox = SandboxOf(choice); sandbox.starts_with("none")) {
     fmt::print(stderr, "gaitcam: sandbox of {}: {}; it could read the truth\n", choice.name, sandbox);
   }
+  CheckWritable(out);
   const InterruptGuard guard;
   TrackingThread tracker(
       MakeSystem(choice, {reader.calibration(), arguments.seed, choice.settings}, fs::absolute(out).parent_path()));

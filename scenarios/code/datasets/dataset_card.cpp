@@ -10,8 +10,8 @@
 #include "algorithms/io/calibration_file.h"
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/program_settings.h"
+#include "algorithms/io/whole_file.h"
 #include "scenarios/code/files/versions.h"
-#include "scenarios/code/runs/output_folder.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -237,8 +237,8 @@ std::string DatasetCard(const RecordMatrix& matrix, const std::vector<SequenceRe
 }
 
 void WriteDatasetFiles(const fs::path& out, const RecordMatrix& matrix, const std::vector<SequenceRecord>& records) {
-  WriteTextFile(out / "index.csv", DatasetIndex(matrix, records));
-  WriteTextFile(out / "README.md", DatasetCard(matrix, records, out));
+  WriteWholeFile(out / "index.csv", DatasetIndex(matrix, records));
+  WriteWholeFile(out / "README.md", DatasetCard(matrix, records, out));
   std::string sums;
   for (const char* name : {"README.md", "index.csv", "matrix.yaml"})
     sums += Sha256OfFile(out / name) + "  " + name + "\n";
@@ -248,7 +248,7 @@ void WriteDatasetFiles(const fs::path& out, const RecordMatrix& matrix, const st
     for (std::string row; std::getline(stream, row);) sums += row.substr(0, 66) + "sequences/" + row.substr(66) + "\n";
     sums += Sha256OfFile(file) + "  sequences/" + r.name + "-truth/" + file.filename().string() + "\n";
   }
-  WriteTextFile(out / "SHA256SUMS", sums);
+  WriteWholeFile(out / "SHA256SUMS", sums);
 }
 
 }  // namespace gaitcam

@@ -11,6 +11,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/checksum.h"
+#include "algorithms/io/whole_file.h"
 #include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
 #include "scenarios/code/datasets/dataset_card.h"
@@ -173,7 +174,7 @@ void RecordMissing(const RecordMatrix& matrix, const MatrixRecordingOptions& opt
                    const std::map<std::string, SequenceRecord>& finished, MatrixOutcome& outcome) {
   YAML::Emitter yaml;
   WriteYaml(yaml, matrix.options.recording);
-  WriteTextFile(OptionsOf(options.out), std::string(yaml.c_str()) + "\n");
+  WriteWholeFile(OptionsOf(options.out), std::string(yaml.c_str()) + "\n");
   std::vector<PoolTask> tasks;
   std::map<std::string, const PlannedSequence*> planned;
   for (const PlannedSequence& sequence : matrix.sequences) {
@@ -192,7 +193,7 @@ void RecordMissing(const RecordMatrix& matrix, const MatrixRecordingOptions& opt
   pool.at_once = options.jobs;
   pool.interrupted = options.interrupted;
   pool.on_start = [&](const PoolTask& task) {
-    WriteTextFile(PlanOf(options.out, task.name), matrix.Resolved(*planned.at(task.name)).ToYaml());
+    WriteWholeFile(PlanOf(options.out, task.name), matrix.Resolved(*planned.at(task.name)).ToYaml());
   };
   pool.on_poll = [&](const std::vector<const PoolTask*>& running) { count.Show(running, progress); };
   pool.on_end = [&](const PoolTask& task, const TaskEnd& end) {
@@ -235,7 +236,7 @@ MatrixOutcome RecordDataset(const RecordMatrix& matrix, const MatrixRecordingOpt
   const std::optional<FileLock> alone = FileLock::Try(WorkFolder(options.out) / "lock");
   if (!alone) throw BadInput(options.out.string() + ": another process records into this folder");
   const std::map<std::string, SequenceRecord> finished = FindFinished(matrix, options.out / "sequences");
-  WriteTextFile(options.out / kMarker, matrix.text);
+  WriteWholeFile(options.out / kMarker, matrix.text);
   outcome.reused = int(finished.size());
   if (finished.size() < matrix.sequences.size()) RecordMissing(matrix, options, finished, outcome);
   for (const PlannedSequence& sequence : matrix.sequences) {

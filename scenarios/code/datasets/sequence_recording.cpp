@@ -8,6 +8,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/checksum.h"
+#include "algorithms/io/whole_file.h"
 #include "models/code/yaml/yaml_writer.h"
 #include "scenarios/code/datasets/preview.h"
 #include "scenarios/code/files/versions.h"
@@ -134,8 +135,8 @@ std::optional<SequenceRecord> RecordSequence(const ResolvedScenario& resolved, c
   record.renderer = outcome.renderer;
   record.program = ProgramVersion();
   record.frames_fingerprint = FramesFingerprint();
-  WriteTextFile(folders.truth / kRecord, ToJson(record).dump(2) + "\n");
-  WriteTextFile(folders.truth / kChecksums, ChecksumRows({folders.sensors, folders.truth}, unfinished.path()));
+  WriteWholeFile(folders.truth / kRecord, ToJson(record).dump(2) + "\n");
+  WriteWholeFile(folders.truth / kChecksums, ChecksumRows({folders.sensors, folders.truth}, unfinished.path()));
   Rename(folders.truth, wanted.truth);
   Rename(folders.sensors, wanted.sensors);
   return record;

@@ -3,11 +3,11 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/whole_file.h"
 #include "scenarios/code/experiments/feature_experiment.h"
 #include "scenarios/code/experiments/feature_table.h"
 #include "scenarios/code/experiments/photographs.h"
 #include "scenarios/code/experiments/table_experiment.h"
-#include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/progress.h"
 
 namespace gaitcam {
@@ -61,7 +61,7 @@ class BlurredFeatures : public ExperimentOf<BlurredFeatureOptions> {
     for (const ImagePair& pair : pairs) names_.push_back(pair.name);
     command_ = setup.command;
     fs::path beside = setup.table;
-    WriteTextFile(beside.replace_extension(".json"), FeatureJson(cells_, walk_));
+    WriteWholeFile(beside.replace_extension(".json"), FeatureJson(cells_, walk_));
     if (!cv::imwrite(beside.replace_extension(".png").string(), FeaturePlot(cells_)))
       throw MissingResource(beside.string() + ": cannot be written");
   }

@@ -11,6 +11,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/dataset_reader.h"
+#include "algorithms/io/whole_file.h"
 #include "algorithms/places/bag_of_words.h"
 #include "algorithms/places/fab_map.h"
 #include "algorithms/slam/appearance_slam.h"
@@ -18,7 +19,6 @@
 #include "scenarios/code/experiments/loop_groups.h"
 #include "scenarios/code/experiments/processor_time.h"
 #include "scenarios/code/experiments/table_experiment.h"
-#include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/recorded_walk.h"
 
 namespace gaitcam {
@@ -161,7 +161,7 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
         }
       }
     }
-    WriteTextFile(fs::path(setup.table).replace_extension(".csv"), Curves());
+    WriteWholeFile(fs::path(setup.table).replace_extension(".csv"), Curves());
     if (!options_.over.empty()) WriteSummary(setup.table);
   }
   std::string Table() const override {
@@ -232,7 +232,7 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
     const fs::path file = table.parent_path() / picture_;
     if (!cv::imwrite(file.string(), DrawLoopGroups(options_.over, outcomes_)))
       throw MissingResource(file.string() + ": cannot be written");
-    WriteTextFile(table.parent_path() / (stem + "_walks.csv"), LoopOutcomeRows(options_.over, outcomes_));
+    WriteWholeFile(table.parent_path() / (stem + "_walks.csv"), LoopOutcomeRows(options_.over, outcomes_));
   }
   std::string Summary() const {
     return "Medians (lowest to highest) over the walks that agree; precision: over those with an accepted loop. Blur: "

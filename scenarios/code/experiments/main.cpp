@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "algorithms/io/whole_file.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "scenarios/code/runs/exit_code.h"
-#include "scenarios/code/runs/output_folder.h"
 
 namespace gaitcam {
 namespace {
@@ -53,7 +53,7 @@ int Measure(const ExperimentEntry& entry, TableExperiment& experiment, const Cal
   setup.quiet = call.quiet;
   if (setup.table.has_parent_path()) fs::create_directories(setup.table.parent_path());
   experiment.Run(setup);
-  WriteTextFile(setup.table, experiment.Table());
+  WriteWholeFile(setup.table, experiment.Table());
   if (!call.quiet) fmt::print("{}\ntable: {}\n", experiment.Table(), setup.table.string());
   return 0;
 }

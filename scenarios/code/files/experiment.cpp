@@ -7,6 +7,7 @@
 
 #include "algorithms/core/errors.h"
 #include "models/code/yaml/yaml_writer.h"
+#include "scenarios/code/files/folders.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -170,7 +171,7 @@ Experiment ResolveExperiment(const OptionValue& root, const ExperimentOptions& o
   CheckShape(root, options, yes);
   Experiment experiment{options, {}, {}};
   if (experiment.options.name.empty()) experiment.options.name = fs::path(root.origin().file).stem().string();
-  if (experiment.options.name.find('/') != std::string::npos) root.Child("name").Fail("a name must not contain \"/\"");
+  CheckFileName(root, "name", experiment.options.name);
   const std::vector<Assignments> conditions = options.list.empty() ? Combinations(options.axes) : options.list;
   ModelShelf shelf;
   for (const Assignments& levels : conditions) {

@@ -53,4 +53,17 @@ fs::path UsersOrShipped(const fs::path& named, const std::vector<std::string>& f
                  DidYouMean(named.string(), known, "see gaitcam list"));
 }
 
+void CheckFileName(const OptionValue& node, const std::string& key, const std::string& name) {
+  constexpr size_t kLongest = 100;
+  const auto is_bad = [](unsigned char c) { return c == '/' || c < ' ' || c == 127; };
+  const bool is_good = !name.empty() && name.size() <= kLongest && name != "." && name != ".." &&
+                       std::none_of(name.begin(), name.end(), is_bad);
+  if (is_good) return;
+  (node.Has(key) ? node.Child(key) : node)
+      .Fail(
+          "files are named after this; expected 1 to 100 characters, no \"/\" and no line feed among them, and not "
+          "\".\" "
+          "or \"..\"");
+}
+
 }  // namespace gaitcam

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "algorithms/core/option_value.h"
+
 namespace gaitcam {
 
 /// The folder that holds `models` and `scenarios`: $GAITCAM_DATA, else share/gaitcam of the installation, else the
@@ -27,5 +29,9 @@ std::vector<std::string> ShippedNames(const std::string& folder);
 /// returned as it is.
 /// @throws BadInput for a bare name that none of the folders has, with the nearest that there is.
 std::filesystem::path UsersOrShipped(const std::filesystem::path& named, const std::vector<std::string>& folders);
+
+/// @throws BadInput at `key` of the map `node` unless `name` can be a file's or folder's name, with a little room to
+/// spare for what is added to it: 1 to 100 bytes, without "/" and control characters, and not "." or "..".
+void CheckFileName(const OptionValue& node, const std::string& key, const std::string& name);
 
 }  // namespace gaitcam

@@ -105,6 +105,13 @@ std::optional<Eigen::Vector3d> StartOf(const ResolvedScenario& resolved) {
                      resolved.scene, scenario.variation, scenario.seed);
 }
 
+void CheckStart(const OptionValue& root, const Scenario& scenario) {
+  constexpr double kFar_m = 10000;  // pictures are drawn in single precision: 1 mm is the finest there
+  if (scenario.start && !(scenario.start->head<2>().cwiseAbs().maxCoeff() <= kFar_m)) {
+    root.Child("start").Fail("this is far from every scene; expected x and y from -10000 to 10000 m");
+  }
+}
+
 /// The crowd of this seed, if there is one. Where places are recognised on a grid, no robot walks that it could mind.
 void AddCrowdOf(ResolvedScenario& resolved) {
   constexpr double kLater_s = 5;  // than planned a walk may end
@@ -142,6 +149,15 @@ void CheckRig(const OptionValue& root, const Scenario& scenario) {
   }
 }
 
+/// Fails where the key of the scenario stands that `message` ("camera.exposure_ms: ...") begins with, or near it.
+[[noreturn]] void FailAtKey(const OptionValue& root, const std::string& message) {
+  const size_t colon = message.find(": "), dot = message.find('.');
+  const std::string key = message.substr(0, colon), group = message.substr(0, dot);
+  if (colon == std::string::npos || dot > colon) root.Fail(message);
+  const bool is_there = root.Has(group) && root.Child(group).Has(key.substr(dot + 1));
+  FailAtSetting(root, key, is_there ? message.substr(colon + 2) : message);
+}
+
 /// Fails where the setting stands that `message` ("mobif_vo.ratio: ...") names; else where the system does.
 [[noreturn]] void FailAtSystem(const OptionValue& root, const std::string& message) {
   const size_t dot = message.find('.'), colon = message.find(':');
@@ -163,7 +179,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   Scenario& scenario = resolved.scenario;
   ReadOption(root, scenario);
   if (scenario.name.empty()) scenario.name = file.stem().string();
-  if (scenario.name.find('/') != std::string::npos) root.Child("name").Fail("a name must not contain \"/\"");
+  CheckFileName(root, "name", scenario.name);
   scenario.robot = ResolvePath(scenario.robot, root.folder());
   scenario.scene = ResolvePath(scenario.scene, root.folder());
   const auto fail_at = [&](const char* key, const std::exception& e) {
@@ -187,6 +203,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     fail_at("people", e);
   }
   ResolveGait(root, resolved.robot, scenario.gait);
+  CheckStart(root, scenario);
   try {
     resolved.start = StartOf(resolved);
   } catch (const BadInput& e) {
@@ -204,11 +221,16 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     if (!SaysNothing(scenario.calibration_error))
       root.Child("calibration_error").Fail("a localisation knows none; expected no such block beside `localisation`");
   }
+  Calibration calibration;
+  try {
+    calibration = CameraRig(scenario.camera, scenario.seed).MakeCalibration();
+  } catch (const BadOption& e) {
+    FailAtKey(root, e.what());
+  }
   CheckRig(root, scenario);
   const OptionValue system = root.Has("system") ? root.Child("system") : root;
   ResolveFiles(system, root.folder(), scenario.system);
   try {
-    Calibration calibration = CameraRig(scenario.camera, scenario.seed).MakeCalibration();
     calibration.imu.rate_hz = scenario.sensors.imu_rate_hz;
     calibration.standing.emplace();  // the robot will tell; here it only matters that it can
     if (const std::optional<std::string> lack = LackInScenario(InfoOf(scenario.system), calibration)) {

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/whole_file.h"
 #include "scenarios/code/runs/interrupt.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/progress.h"
@@ -47,7 +48,7 @@ std::vector<const WorkItem*> PrepareItems(const std::vector<WorkItem>& items, co
     }
     fs::remove_all(options.runs / item.hash);
     RemoveUnfinished(options.runs / item.hash);
-    WriteTextFile(PlanOf(options.runs, item.hash), item.scenario_yaml);
+    WriteWholeFile(PlanOf(options.runs, item.hash), item.scenario_yaml);
     todo.push_back(&item);
   }
   return todo;

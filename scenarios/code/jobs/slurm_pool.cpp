@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/whole_file.h"
 #include "scenarios/code/files/folders.h"
-#include "scenarios/code/runs/output_folder.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -142,7 +142,7 @@ void SlurmPool::Submit(int count, int at_once) {
   number_ = answer.text.substr(0, answer.text.find_first_of(";\n"));  // "12;cluster"
   if (!answer.ending.ok() || number_.empty() || number_.find_first_not_of("0123456789") != std::string::npos)
     throw MissingResource("Slurm does not take the job: " + LastLine(folder_ / "said"));
-  WriteTextFile(folder_ / "job", number_ + "\n");
+  WriteWholeFile(folder_ / "job", number_ + "\n");
 }
 
 /// Whether a task of the job waits or runs.
@@ -198,8 +198,8 @@ bool SlurmPool::Run(const std::vector<PoolTask>& tasks, const PoolOptions& optio
     std::error_code ignored;
     for (const fs::path& file : {task->log, CodeOf(*task)}) fs::remove(file, ignored);
   }
-  WriteTextFile(folder_ / "list", CommandList(ordered));
-  WriteTextFile(folder_ / "array.sh", BatchScript(folder_, count));
+  WriteWholeFile(folder_ / "list", CommandList(ordered));
+  WriteWholeFile(folder_ / "array.sh", BatchScript(folder_, count));
   Submit(count, options.at_once);
   PendingTasks pending(ordered, options);
   try {

@@ -279,7 +279,7 @@ Suite ReadSuite(const std::string& name_or_path) {
   const OptionValue root = LoadYaml(suite.file);
   ReadOption(root, suite.options);
   if (suite.options.name.empty()) suite.options.name = suite.file.stem().string();
-  if (suite.options.name.find('/') != std::string::npos) root.Child("name").Fail("a name must not contain \"/\"");
+  CheckFileName(root, "name", suite.options.name);
   for (SuiteScenario& scenario : suite.options.scenarios) {
     if (scenario.name.empty()) scenario.name = fs::path(scenario.scenario).stem().string();
   }

@@ -1,21 +1,13 @@
 #include "scenarios/code/runs/output_folder.h"
 
-#include <unistd.h>
-
-#include <fstream>
 #include <vector>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/whole_file.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
 namespace {
-
-std::string TemporaryPrefix(const fs::path& wanted) { return "." + wanted.filename().string() + ".part-"; }
-
-fs::path TemporaryNameFor(const fs::path& wanted) {
-  return wanted.parent_path() / (TemporaryPrefix(wanted) + std::to_string(getpid()));
-}
 
 fs::path Clean(const fs::path& path) {
   const fs::path absolute = fs::absolute(path).lexically_normal();
@@ -25,11 +17,12 @@ fs::path Clean(const fs::path& path) {
 }  // namespace
 
 OutputFolder::OutputFolder(const fs::path& wanted, const std::string& marker)
-    : wanted_(Clean(wanted)), temporary_(TemporaryNameFor(wanted_)) {
+    : wanted_(Clean(wanted)), temporary_(UnfinishedNameFor(wanted_)) {
   if (fs::exists(wanted_) && !(fs::is_directory(wanted_) && (fs::is_empty(wanted_) || fs::exists(wanted_ / marker)))) {
     throw BadInput("--out " + wanted_.string() + ": exists and holds something else (no " + marker +
                    " in it); name another folder or remove it");
   }
+  RemoveAbandoned(wanted_);
   std::error_code error;
   fs::remove_all(temporary_, error);
   for (made_ = temporary_; made_.has_parent_path() && !fs::exists(made_.parent_path());) made_ = made_.parent_path();
@@ -49,7 +42,7 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::WriteText(const std::string& name, const std::string& text) const {
-  WriteTextFile(temporary_ / name, text);
+  WriteWholeFile(temporary_ / name, text);
 }
 
 void OutputFolder::Commit() {
@@ -66,21 +59,9 @@ void RemoveUnfinished(const fs::path& wanted) {
   std::error_code error;
   std::vector<fs::path> unfinished;
   for (const auto& item : fs::directory_iterator(wanted.parent_path(), error)) {
-    if (item.path().filename().string().starts_with(TemporaryPrefix(wanted))) unfinished.push_back(item.path());
+    if (item.path().filename().string().starts_with(UnfinishedPrefix(wanted))) unfinished.push_back(item.path());
   }
   for (const fs::path& path : unfinished) fs::remove_all(path, error);
-}
-
-void WriteTextFile(const fs::path& file, const std::string& text) {
-  const fs::path temporary = TemporaryNameFor(fs::absolute(file));
-  std::ofstream stream(temporary, std::ios::binary);
-  stream << text;
-  stream.close();
-  std::error_code error;
-  if (stream) fs::rename(temporary, file, error);
-  if (stream && !error) return;
-  fs::remove(temporary, error);
-  throw MissingResource("cannot write " + file.string() + " (disk full, or no permission)");
 }
 
 }  // namespace gaitcam

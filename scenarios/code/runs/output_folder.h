@@ -33,7 +33,4 @@ class OutputFolder {
 /// Removes what killed processes left of output folders of this name. The caller knows that none is being written.
 void RemoveUnfinished(const std::filesystem::path& wanted);
 
-/// Writes a whole file under a temporary name, then renames it. @throws MissingResource.
-void WriteTextFile(const std::filesystem::path& file, const std::string& text);
-
 }  // namespace gaitcam

@@ -4,9 +4,9 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/calibration_file.h"
+#include "algorithms/io/whole_file.h"
 #include "scenarios/code/runs/calibration_error.h"
 #include "scenarios/code/runs/filmed_walk.h"
-#include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/progress.h"
 
 namespace gaitcam {
@@ -39,12 +39,12 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
   outcome.frames = writer.frames();
   outcome.renderer = simulation.gl().info();
   writer.Finish(fmt::format("{} at {:.3f} s", outcome.status, outcome.end_time_s));
-  WriteTextFile(folders.truth / "scenario.yaml", resolved.ToYaml());
+  WriteWholeFile(folders.truth / "scenario.yaml", resolved.ToYaml());
   if (errs) {
-    WriteTextFile(TrueCalibrationFileOf(folders), CalibrationText(simulation.calibration()));
+    WriteWholeFile(TrueCalibrationFileOf(folders), CalibrationText(simulation.calibration()));
     std::string drawn;
     for (const auto& [name, value] : CalibrationErrorFacts(resolved)) drawn += name + ": " + value + "\n";
-    WriteTextFile(folders.truth / "calibration_error.yaml", drawn);
+    WriteWholeFile(folders.truth / "calibration_error.yaml", drawn);
   }
   return outcome;
 }

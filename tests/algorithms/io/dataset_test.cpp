@@ -11,6 +11,7 @@
 #include "algorithms/io/image_file.h"
 #include "algorithms/io/text_table.h"
 #include "algorithms/io/trajectory_file.h"
+#include "algorithms/io/whole_file.h"
 #include "tests/algorithms/io/file_test.h"
 #include "tests/temporary_folder.h"
 
@@ -425,7 +426,7 @@ TEST_F(Datasets, AnImageThatCannotBeWrittenEndsTheRecordingAndLeavesNothing) {
   const std::vector<Observation> observations = SomeObservations(FullCalibration(), 40);
   const std::string said = ErrorOf<MissingResource>([&] {
     DatasetWriter writer(Folders(), FullCalibration(), {});
-    fs::remove_all(folder_ / "walk.partial" / "rgb");
+    fs::remove_all(UnfinishedNameFor(folder_ / "walk") / "rgb");
     for (const Observation& o : observations) writer.Add(o, SomeTruth(o));
     writer.Finish("finished");
   });
@@ -439,7 +440,7 @@ TEST_F(Datasets, ARecordingOverwritesNothing) {
   fs::remove(folder_ / "walk");
   fs::create_directories(folder_ / "walk-truth");
   EXPECT_THAT(ErrorOf<BadInput>([&] { DatasetWriter(Folders(), MonoCalibration(), {}); }), HasSubstr("exists already"));
-  EXPECT_FALSE(fs::exists(folder_ / "walk.partial"));
+  EXPECT_FALSE(fs::exists(UnfinishedNameFor(folder_ / "walk")));
 }
 
 TEST_F(Datasets, WhatContradictsTheCalibrationIsNotRecorded) {

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/whole_file.h"
 #include "tests/temporary_folder.h"
 
 namespace gaitcam {
@@ -49,7 +50,7 @@ TEST(OutputFolder, ReplacesAnOlderRunButNothingElse) {
 
 TEST(OutputFolder, SaysWhenTheFolderCannotBeMade) {
   EXPECT_THROW(OutputFolder("/proc/nowhere/run", "scores.json"), MissingResource);
-  EXPECT_THROW(WriteTextFile("/proc/nowhere.txt", "text"), MissingResource);
+  EXPECT_THROW(WriteWholeFile("/proc/nowhere.txt", "text"), MissingResource);
 }
 
 }  // namespace

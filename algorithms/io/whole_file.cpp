@@ -1,0 +1,121 @@
+#include "algorithms/io/whole_file.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <vector>
+
+#include "algorithms/core/errors.h"
+
+namespace gaitcam {
+namespace fs = std::filesystem;
+namespace {
+
+std::string MachineName() {
+  std::array<char, 64> name{};  // longer ones are cut: a file's name has at most 255 bytes
+  if (gethostname(name.data(), name.size() - 1) != 0) return "here";
+  return name.data();
+}
+
+/// @param owner "MACHINE-PROCESS", as UnfinishedNameFor writes it.
+bool IsGone(std::string_view owner) {
+  const std::string here = MachineName() + "-";
+  if (!owner.starts_with(here)) return false;
+  owner.remove_prefix(here.size());
+  pid_t process = 0;
+  const auto [end, error] = std::from_chars(owner.data(), owner.data() + owner.size(), process);
+  if (error != std::errc() || end != owner.data() + owner.size() || process <= 0) return false;
+  return kill(process, 0) != 0 && errno == ESRCH;
+}
+
+/// @returns 0, or the number of the system's error.
+int Write(const fs::path& file, std::string_view content) {
+  errno = 0;
+  std::ofstream stream(file, std::ios::binary);
+  stream.write(content.data(), std::streamsize(content.size()));
+  stream.close();
+  if (stream) return 0;
+  return errno ? errno : EIO;
+}
+
+/// The file that a name stands for, if need be through symbolic links.
+fs::path Followed(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_symlink(fs::symlink_status(file, error))) return file;
+  const fs::path followed = fs::weakly_canonical(file, error);
+  return error ? file : followed;
+}
+
+}  // namespace
+
+std::string UnfinishedPrefix(const fs::path& wanted) { return "." + wanted.filename().string() + ".part-"; }
+
+fs::path UnfinishedNameFor(const fs::path& wanted) {
+  return wanted.parent_path() / (UnfinishedPrefix(wanted) + MachineName() + "-" + std::to_string(getpid()));
+}
+
+void RemoveAbandoned(const fs::path& wanted) {
+  const std::string prefix = UnfinishedPrefix(wanted);
+  const fs::path folder = wanted.has_parent_path() ? wanted.parent_path() : ".";
+  std::error_code error;
+  std::vector<fs::path> abandoned;
+  for (const auto& item : fs::directory_iterator(folder, error)) {
+    const std::string name = item.path().filename().string();
+    if (name.starts_with(prefix) && IsGone(std::string_view(name).substr(prefix.size()))) {
+      abandoned.push_back(item.path());
+    }
+  }
+  for (const fs::path& path : abandoned) fs::remove_all(path, error);
+}
+
+namespace {
+
+/// Where the content of a file is to be written first: the place itself, if that is a device.
+struct Destination {
+  explicit Destination(const fs::path& file) : target(Followed(file)), written(target) {
+    std::error_code error;
+    const fs::file_status status = fs::status(target, error);
+    if (fs::is_directory(status)) throw BadInput(file.string() + ": cannot write this file: it is a folder");
+    in_place = fs::exists(status) && !fs::is_regular_file(status);
+    if (!in_place) written = UnfinishedNameFor(target);
+  }
+
+  fs::path target, written;
+  bool in_place = false;
+};
+
+[[noreturn]] void FailToWrite(const fs::path& file, int error) {
+  throw MissingResource(file.string() + ": cannot write this file: " + std::strerror(error));
+}
+
+}  // namespace
+
+void WriteWholeFile(const fs::path& file, std::string_view content) {
+  const Destination destination(file);
+  if (!destination.in_place) RemoveAbandoned(destination.target);
+  int failure = Write(destination.written, content);
+  std::error_code error;
+  if (!failure && !destination.in_place) {
+    fs::rename(destination.written, destination.target, error);
+    failure = error.value();
+  }
+  if (!failure) return;
+  if (!destination.in_place) fs::remove(destination.written, error);
+  FailToWrite(file, failure);
+}
+
+void CheckWritable(const fs::path& file) {
+  const Destination destination(file);
+  if (destination.in_place) return;
+  const int failure = Write(destination.written, "");
+  std::error_code ignored;
+  fs::remove(destination.written, ignored);
+  if (failure) FailToWrite(file, failure);
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,31 @@
+/// Files and folders that appear whole or not at all: they are written beside the wanted name, under one of this
+/// process's own, and then renamed.
+
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace gaitcam {
+
+/// What the names of everything unfinished begin with that is to become `wanted`: ".NAME.part-".
+std::string UnfinishedPrefix(const std::filesystem::path& wanted);
+
+/// Where this process writes what is to become `wanted`: beside it, named after machine and process.
+std::filesystem::path UnfinishedNameFor(const std::filesystem::path& wanted);
+
+/// Removes what processes of this machine left that are no more, of files and folders that were to become `wanted`.
+void RemoveAbandoned(const std::filesystem::path& wanted);
+
+/// Writes a file, in place of an older one if there is one. A symbolic link stays: the file that it names is replaced.
+/// A device or a pipe, as /dev/stdout, is written to and never replaced.
+/// @throws BadInput if the name is a folder's; MissingResource if the file cannot be written whole, the older one is
+/// then untouched.
+void WriteWholeFile(const std::filesystem::path& file, std::string_view content);
+
+/// What WriteWholeFile would throw for want of a folder, of permission or of another name; for what takes long before
+/// it writes. Nothing stays behind.
+void CheckWritable(const std::filesystem::path& file);
+
+}  // namespace gaitcam
