@@ -50,7 +50,7 @@ ImuCalibration CalibrateImu(const Robot& robot, const SensorOptions& options, co
   return calibration;
 }
 
-OdometryCalibration CalibrateOdometry(const Robot& robot, const SensorOptions& options) {
+OdometryCalibration CalibrateWheels(const Robot& robot, const SensorOptions& options) {
   if (!options.odometry || robot.kind != Robot::Kind::kOmniBase) return {};
   if (!options.perfect) return WheelDataSheet(robot.drive, *options.odometry);
   OdometryCalibration exact;

@@ -66,8 +66,8 @@ void VisitFields(Visitor& visit, SensorOptions& o) {
 ImuCalibration CalibrateImu(const Robot& robot, const SensorOptions& options, const Pose& X_MC,
                             const std::vector<double>& rest_joints);
 
-/// The data sheet of the body's odometry; its X_BC is left at the identity.
-OdometryCalibration CalibrateOdometry(const Robot& robot, const SensorOptions& options);
+/// The data sheet of the wheels' odometry, if there is any; its X_BC is left at the identity.
+OdometryCalibration CalibrateWheels(const Robot& robot, const SensorOptions& options);
 
 /// Splits a piecewise constant signal into windows of one sample period and averages it over each.
 class WindowMean {
