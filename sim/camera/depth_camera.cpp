@@ -16,7 +16,8 @@ namespace {
 constexpr double kMillimetre = 1e-3;
 
 // Structured light.
-constexpr double kBaseline_m = 0.075, kFocalBaseline_px_m = 580 * kBaseline_m;
+constexpr double kBaseline_m = 0.075, kFocal_px = 580, kFocalBaseline_px_m = kFocal_px * kBaseline_m;
+constexpr double kWindow_px = 9;
 constexpr double kDisparityStep_px = 1.0 / 8;
 constexpr double kDisparitySigma_steps = 0.5;  // quantisation included
 constexpr float kPatternNear_m = 0.5f, kPatternFar_m = 5.f;
@@ -56,14 +57,18 @@ cv::Mat IncidenceCosine(const cv::Mat& depth, const cv::Mat& rays) {
   return cosine;
 }
 
+/// Pixels per unit of X/Z.
+double FocalLength(const cv::Mat& rays) {
+  const int last = rays.cols - 1, middle = rays.rows / 2;
+  return last / double(rays.at<cv::Vec2f>(middle, last)[0] - rays.at<cv::Vec2f>(middle, 0)[0]);
+}
+
 /// What a projector beside the camera lights, row by row: a depth buffer of its own picture.
 class ProjectorShadow {
  public:
   /// @param rays of the whole image: their spacing is the buffer's.
-  explicit ProjectorShadow(const cv::Mat& rays) {
-    const int last = rays.cols - 1, middle = rays.rows / 2;
-    left_ = rays.at<cv::Vec2f>(middle, 0)[0];
-    cells_per_unit_ = float(last) / (rays.at<cv::Vec2f>(middle, last)[0] - left_);
+  explicit ProjectorShadow(const cv::Mat& rays)
+      : left_(rays.at<cv::Vec2f>(rays.rows / 2, 0)[0]), cells_per_unit_(float(FocalLength(rays))) {
     farthest_shift_ = int(std::ceil(kBaseline_m / kNearest_m * cells_per_unit_)) + 2;
     cells_.resize(size_t(rays.cols + 2 * farthest_shift_));
   }
@@ -99,15 +104,25 @@ class ProjectorShadow {
     return std::clamp(int(std::lround(cell)) + farthest_shift_, 0, int(cells_.size()) - 1);
   }
 
-  float left_ = 0, cells_per_unit_ = 1;
+  float left_, cells_per_unit_;
   int farthest_shift_ = 0;
   std::vector<float> cells_;
 };
+
+/// Normal noise of unit variance that pixels share as far as their square windows overlap. @param window odd, px.
+cv::Mat WindowedNoise(cv::Size size, int window, RandomStream noise) {
+  cv::Mat white(size.height + window - 1, size.width + window - 1, CV_64FC1), sums;
+  for (double& value : cv::Mat_<double>(white)) value = noise.Normal();
+  cv::boxFilter(white, sums, CV_64F, {window, window}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  return sums(cv::Rect({window / 2, window / 2}, size)) / window;
+}
 
 cv::Mat StructuredLight(const cv::Mat& depth, const cv::Mat& rays, RandomStream noise) {
   // Rounding to whole steps alone has a variance of 1/12 of a step's square.
   const double sigma = std::sqrt(kDisparitySigma_steps * kDisparitySigma_steps - 1.0 / 12);
   const double steps_m = kFocalBaseline_px_m / kDisparityStep_px;
+  const int window = 2 * int(std::lround((kWindow_px * FocalLength(rays) / kFocal_px - 1) / 2)) + 1;
+  const cv::Mat errors = WindowedNoise(depth.size(), std::max(1, window), noise);
   const cv::Mat cosine = IncidenceCosine(depth, rays);
   ProjectorShadow shadow(rays);
   std::vector<uint8_t> lit;
@@ -116,9 +131,8 @@ cv::Mat StructuredLight(const cv::Mat& depth, const cv::Mat& rays, RandomStream 
     const float* z = depth.ptr<float>(v);
     shadow.Row(z, rays.ptr<cv::Vec2f>(v), depth.cols, lit);
     for (int u = 0; u < depth.cols; ++u) {
-      const double error = noise.Normal(0, sigma);  // whether it is seen or not: no pixel shifts another's noise
       if (!lit[size_t(u)] || cosine.at<float>(v, u) < kGrazingCosine) continue;
-      const double steps = std::round(steps_m / double(z[u]) + error);
+      const double steps = std::round(steps_m / double(z[u]) + sigma * errors.at<double>(v, u));
       const float reading = steps > 0 ? WholeMillimetres(steps_m / steps) : 0.f;
       if (reading >= kPatternNear_m && reading <= kPatternFar_m) measured.at<float>(v, u) = reading;
     }

@@ -4,7 +4,9 @@
 /// `structured_light` (Kinect v1): a projector 75 mm to the camera's right casts a pattern; its disparity f b / z, f b
 /// = 580 px * 0.075 m, is read in eighths of a pixel. Khoshelham and Elberink, "Accuracy and resolution of Kinect depth
 /// data for indoor mapping applications", Sensors 2012, found half such a step of noise, quantisation included:
-/// sigma_z = 1.425e-5 z^2 (cm), 1.4 mm at 1 m and 3.6 cm at 5 m. There is no reading
+/// sigma_z = 1.425e-5 z^2 (cm), 1.4 mm at 1 m and 3.6 cm at 5 m. The pattern is matched in windows of 9 x 9 of its
+/// pixels (Konolige and Mihelich, "Technical description of Kinect calibration"): neighbours share their noise as such
+/// windows overlap. There is no reading
 ///   - nearer than 0.5 m or farther than 5 m,
 ///   - where the projector's light is shadowed: to the left of what stands before something else,
 ///   - where the surface is seen at more than 80 degrees from its normal, or steps within a pixel on either side.
