@@ -28,10 +28,13 @@ Pose PoseFrom(const double* position, const double* matrix) {
 }
 
 /// By the nominal kinematics, soles on the floor.
-StandingCamera StandingCameraOf(const Robot& robot, const Pose& X_MC, const Pose& X_WR,
-                                const std::vector<double>& joints) {
-  const Pose X_WC = X_WR * LinkPoses(robot, joints)[robot.camera.link] * robot.camera.X_LS * X_MC;
-  return {X_WC.translation.z(), X_WC.R().transpose() * Eigen::Vector3d::UnitZ()};
+Pose StandingCameraPose(const Robot& robot, const Pose& X_MC, const Pose& X_WR, const std::vector<double>& joints) {
+  return X_WR * LinkPoses(robot, joints)[robot.camera.link] * robot.camera.X_LS * X_MC;
+}
+
+std::optional<LegOdometry> LegsOf(const Robot& robot, const SensorOptions& options) {
+  if (!options.odometry || robot.kind != Robot::Kind::kHumanoid) return std::nullopt;
+  return LegOdometry(robot, options.odometry->rate_hz);
 }
 
 double PathTime(const Robot& robot, const SimulationOptions& options) {
@@ -73,6 +76,7 @@ void ToSensorClock(SimulatedFrame& frame) {
   if (seen.depth) shift(seen.depth->stamp_ns);
   for (ImuSample& sample : seen.imu) shift(sample.stamp_ns);
   for (JointSample& sample : seen.joints) shift(sample.stamp_ns);
+  for (OdometrySample& sample : seen.odometry) shift(sample.stamp_ns);
   shift(frame.truth.stamp_ns);
   for (Subframe& subframe : frame.truth.subframes) shift(subframe.stamp_ns);
 }
@@ -117,7 +121,13 @@ Simulation::Simulation(const Robot& robot, const Scene& scene, const SimulationO
   PutAtStart();
   const Pose& X_MC = rig_.WorldCameras().front().X_MC;
   calibration_.imu = CalibrateImu(robot, options.sensors, X_MC, controller_->InitialJoints());
-  calibration_.standing = StandingCameraOf(robot, X_MC, controller_->InitialRoot(), controller_->InitialJoints());
+  const Pose X_WR = controller_->InitialRoot();
+  const Pose X_WC = StandingCameraPose(robot, X_MC, X_WR, controller_->InitialJoints());
+  calibration_.standing = {X_WC.translation.z(), X_WC.R().transpose() * Eigen::Vector3d::UnitZ()};
+  legs_ = LegsOf(robot, options.sensors);
+  calibration_.odometry =
+      legs_ ? LegDataSheet(options.sensors.odometry->rate_hz) : CalibrateWheels(robot, options.sensors);
+  if (calibration_.odometry.rate_hz > 0) calibration_.odometry.X_BC = PlanarPose(X_WR).Lifted().Inverse() * X_WC;
 }
 
 Simulation::~Simulation() = default;
@@ -135,6 +145,7 @@ void Simulation::Restart(const Eigen::Vector3d& start, uint64_t seed) {
   PutAtStart();
   rig_.Reseed(seed);
   sensors_ = SensorSuite(world_, options_.sensors, seed);
+  legs_ = LegsOf(robot, options_.sensors);
   frame_ = 0;
   status_ = SimulationStatus::kWalking;
   left_path_ = false;
@@ -265,6 +276,13 @@ bool Simulation::WalkToNextFrame() {
   return true;
 }
 
+/// All since the last frame.
+void Simulation::TakeReadings(Observation& seen) {
+  seen.imu = sensors_.TakeImu();
+  seen.joints = std::exchange(joints_, {});
+  seen.odometry = legs_ ? legs_->Update(seen.imu, seen.joints) : sensors_.TakeOdometry();
+}
+
 LatentSimulatedFrame Simulation::Film(const TruthOptions& truth) {
   const int64_t stamp_ns = rig_.FrameStamp(frame_);
   const std::optional<ScanState> scan = ScanAt(stamp_ns);
@@ -272,8 +290,7 @@ LatentSimulatedFrame Simulation::Film(const TruthOptions& truth) {
   Observation& seen = latent.observation;
   seen.stamp_ns = stamp_ns;
   seen.exposure_ms = latent.film.exposure_ms;
-  seen.imu = sensors_.TakeImu();
-  seen.joints = std::exchange(joints_, {});
+  TakeReadings(seen);
   seen.scan = scan;
   FillTruth(stamp_ns, latent.film.left.frame.truth);
   return latent;
@@ -291,8 +308,8 @@ SimulatedFrame Simulation::Develop(LatentSimulatedFrame latent) const {
 
 void Simulation::SkipFrame() {
   ++frame_;
-  sensors_.TakeImu();
-  joints_.clear();
+  Observation unseen;
+  TakeReadings(unseen);
 }
 
 std::optional<LatentSimulatedFrame> Simulation::NextLatent(const TruthOptions& truth) {

@@ -13,6 +13,7 @@
 #include "sim/camera/renderer.h"
 #include "sim/sensors/sensors.h"
 #include "sim/walking/controller.h"
+#include "sim/walking/leg_odometry.h"
 #include "sim/walking/omni_drive.h"
 #include "sim/walking/path.h"
 #include "sim/world/world.h"
@@ -114,6 +115,7 @@ class Simulation {
   bool WalkUntil(int64_t stamp_ns);
   bool WalkToNextFrame();
   LatentSimulatedFrame Film(const TruthOptions& truth);
+  void TakeReadings(Observation& seen);
   void SkipFrame();
   void PutAtStart();
   void Control();
@@ -134,6 +136,7 @@ class Simulation {
   World world_;
   std::unique_ptr<Controller> controller_;
   SensorSuite sensors_;
+  std::optional<LegOdometry> legs_;
   Renderer renderer_;
   Calibration calibration_;
   MjDataPtr middle_;  ///< The mechanism at mid-exposure.

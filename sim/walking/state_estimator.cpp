@@ -24,8 +24,14 @@ StateEstimator::StateEstimator(const Robot& robot, const EstimatorOptions& optio
 
 void StateEstimator::Update(const ImuSample& imu, const std::vector<double>& joints, double period_s, int stance,
                             bool calibrate, MassModel& mass_model) {
-  UpdateAttitude(imu, period_s, calibrate);
+  UpdateBase(imu, joints, period_s, stance, calibrate);
   UpdateCom(joints, period_s, mass_model);
+}
+
+void StateEstimator::UpdateBase(const ImuSample& imu, const std::vector<double>& joints, double period_s, int stance,
+                                bool calibrate) {
+  UpdateAttitude(imu, period_s, calibrate);
+  for (size_t side = 0; side < 2; ++side) X_BA_[side] = legs_[side].Forward(legs_[side].FromJoints(joints));
   UpdateOdometry(stance);
 }
 
@@ -51,7 +57,6 @@ void StateEstimator::UpdateCom(const std::vector<double>& joints, double period_
   const Eigen::Vector3d com_B = mass_model.CenterOfMass(joints);
   const Eigen::Matrix3d level = RotY(pitch_) * RotX(roll_);
   for (int side = 0; side < 2; ++side) {
-    X_BA_[side] = legs_[side].Forward(legs_[side].FromJoints(joints));
     const double foot_heading = Yaw(level * X_BA_[side].R());
     const Eigen::Vector3d from_ankle = RotZ(-foot_heading) * level * (com_B - X_BA_[side].translation);
     const Eigen::Vector2d position = from_ankle.head<2>();

@@ -40,6 +40,9 @@ class StateEstimator {
   void Update(const ImuSample& imu, const std::vector<double>& joints, double period_s, int stance, bool calibrate,
               MassModel& mass_model);
 
+  /// The same without the centre of mass over the feet.
+  void UpdateBase(const ImuSample& imu, const std::vector<double>& joints, double period_s, int stance, bool calibrate);
+
   double roll() const { return roll_; }                                  ///< rad, about the root's x axis.
   double pitch() const { return pitch_; }                                ///< rad, positive leans forward.
   const Eigen::Vector3d& angular_rate() const { return angular_rate_; }  ///< Of B, in B, bias removed, rad/s.

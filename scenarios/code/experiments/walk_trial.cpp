@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim/sensors/sensors.h"
+#include "sim/walking/leg_odometry.h"
 #include "sim/walking/walker.h"
 
 namespace gaitcam {
@@ -82,8 +83,11 @@ WalkTrialResult RunWalkTrial(const Robot& robot, const GaitOptions& gait, const 
   const auto walker = MakeWalker(robot, world.nominal_model(), gait, options.path, options.physics, {});
   world.SetState(walker->InitialRoot(), walker->InitialJoints());
   SensorSuite sensors(world, options.sensors, options.seed);
+  std::optional<LegOdometry> legs;
+  if (options.sensors.odometry) legs.emplace(robot, options.sensors.odometry->rate_hz);
   const Path path(options.path, {});
   WalkTrialResult result;
+  result.start = PlanarPose(world.X_WB());
   Log log(path, result);
 
   while (!walker->Finished() && 1e-9 * double(world.stamp_ns()) < options.longest_s) {
@@ -97,7 +101,11 @@ WalkTrialResult RunWalkTrial(const Robot& robot, const GaitOptions& gait, const 
       world.Step();
       sensors.Step(world);
     }
-    sensors.TakeImu();
+    const std::vector<ImuSample> imu = sensors.TakeImu();
+    if (legs) {
+      const std::vector<OdometrySample> samples = legs->Update(imu, {input.joints});
+      result.odometry.insert(result.odometry.end(), samples.begin(), samples.end());
+    }
     world.record().DropBefore(world.stamp_ns());
     log.AtTick(world, walker->gait());
     if (world.HasFallen()) {

@@ -28,7 +28,8 @@ struct WalkTrialResult {
   double speed_m_s = 0;   ///< That way over the time between the first and the last step.
   double max_tilt_rad = 0;
   std::vector<double> path_error_m;                         ///< Distance of the root from the path, once per step.
-  PlanarPose end;                                           ///< True root at the end.
+  PlanarPose start, end;                                    ///< True root at first and at the end.
+  std::vector<OdometrySample> odometry;                     ///< Of the legs, if the sensors have it.
   Eigen::Vector3d head_rate_rms = Eigen::Vector3d::Zero();  ///< Of the camera: roll, pitch, yaw, rad/s, while walking.
   std::vector<double> last_qpos;                            ///< To compare two runs to the bit.
   double wall_s = 0, control_wall_s = 0;

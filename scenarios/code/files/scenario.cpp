@@ -232,6 +232,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   ResolveFiles(system, root.folder(), scenario.system);
   try {
     calibration.imu.rate_hz = scenario.sensors.imu_rate_hz;
+    if (scenario.sensors.odometry) calibration.odometry.rate_hz = scenario.sensors.odometry->rate_hz;
     calibration.standing.emplace();  // the robot will tell; here it only matters that it can
     if (const std::optional<std::string> lack = LackInScenario(InfoOf(scenario.system), calibration)) {
       system.Fail(*lack);

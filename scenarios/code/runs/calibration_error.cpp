@@ -102,6 +102,11 @@ Calibration Miscalibrated(Calibration calibration, const CalibrationError& error
       calibration.standing->up_C = RotX(kRadPerDeg * error.pitch_deg) * calibration.standing->up_C;
     }
   }
+  // How the camera stands over the body is known from the same measurement.
+  if (calibration.odometry.rate_hz <= 0) return calibration;
+  Pose& X_BC = calibration.odometry.X_BC;
+  X_BC.translation.z() *= 1 + 0.01 * error.height_pct;
+  if (error.pitch_deg != 0) X_BC.rotation = X_BC.rotation * Eigen::Quaterniond(RotX(-kRadPerDeg * error.pitch_deg));
   return calibration;
 }
 
@@ -123,12 +128,14 @@ bool MiscalibratedSensors::Switch::Read(int64_t stamp_ns, bool closed) {
   return stamp_ns < bounces_until_ns_ ? random_.Index(2) == 1 : shown_;
 }
 
-MiscalibratedSensors::MiscalibratedSensors(const CalibrationError& error, const Robot& robot, uint64_t seed)
+MiscalibratedSensors::MiscalibratedSensors(const CalibrationError& error, const Robot& robot, uint64_t seed,
+                                           double leg_odometry_hz)
     : error_(error),
       left_(error.switch_delay_ms.x(), error.switch_bounce_ms.x(), RandomStream(seed, "calibration_error.left_switch")),
       right_(error.switch_delay_ms.y(), error.switch_bounce_ms.y(),
              RandomStream(seed, "calibration_error.right_switch")) {
   for (double& zero : error_.encoder_deg) zero *= kRadPerDeg;
+  if (leg_odometry_hz > 0 && robot.kind == Robot::Kind::kHumanoid) legs_.emplace(robot, leg_odometry_hz);
   if (!error_.encoder_deg.empty()) pan_zero_rad_ = HeadPan(robot).Of(error_.encoder_deg);
 }
 
@@ -146,6 +153,8 @@ void MiscalibratedSensors::Apply(Observation& observation) {
     const size_t joints = std::min(sample.position.size(), error_.encoder_deg.size());
     for (size_t i = 0; i < joints; ++i) sample.position[i] += error_.encoder_deg[i];
   }
+  for (OdometrySample& sample : observation.odometry) sample.stamp_ns += offset_ns;
+  if (legs_) observation.odometry = legs_->Update(observation.imu, observation.joints);
   if (observation.scan) observation.scan->pan_rad += pan_zero_rad_;
 }
 

@@ -2,13 +2,15 @@
 ///
 /// Two kinds of errors. The calibration says something wrong: lens, direction of the IMU, the standing camera. Or what
 /// the sensors hand over is wrong, because nobody has corrected it: scale of the IMU, stamps, encoders, foot switches.
-/// Walk, frames, truth and scores know of neither; the body's own control reads its sensors as they are.
+/// Walk, frames, truth and scores know of neither; the body's own control reads its sensors as they are. Odometry of
+/// legs is reckoned from the wrong readings; errors of wheels are their sensor's own (sensors.odometry).
 
 #pragma once
 
 #include <Eigen/Core>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "algorithms/slam/system.h"
 #include "scenarios/code/files/scenario.h"
 #include "sim/walking/head_scan.h"
+#include "sim/walking/leg_odometry.h"
 
 namespace gaitcam {
 
@@ -72,7 +75,8 @@ Calibration Miscalibrated(Calibration calibration, const CalibrationError& error
 /// What the sensors hand over instead of true readings. Observations must come in the order of time.
 class MiscalibratedSensors {
  public:
-  MiscalibratedSensors(const CalibrationError& error, const Robot& robot, uint64_t seed);
+  /// @param leg_odometry_hz its rate, of a humanoid; 0: it has none. It is reckoned anew from what these sensors show.
+  MiscalibratedSensors(const CalibrationError& error, const Robot& robot, uint64_t seed, double leg_odometry_hz = 0);
   void Apply(Observation& observation);
 
  private:
@@ -93,6 +97,7 @@ class MiscalibratedSensors {
   CalibrationError error_;
   double pan_zero_rad_ = 0;
   Switch left_, right_;
+  std::optional<LegOdometry> legs_;
 };
 
 /// A system behind such sensors.

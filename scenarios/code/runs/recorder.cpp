@@ -18,7 +18,8 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
   Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved), scenario.seed);
   const CalibrationError error = DrawCalibrationError(scenario.calibration_error, resolved.robot, scenario.seed);
   const bool errs = !SaysNothing(scenario.calibration_error);
-  MiscalibratedSensors sensors(error, resolved.robot, scenario.seed);
+  const double odometry_hz = simulation.calibration().odometry.rate_hz;
+  MiscalibratedSensors sensors(error, resolved.robot, scenario.seed, odometry_hz);
   DatasetWriter writer(folders, Miscalibrated(simulation.calibration(), error), options.format);
   const int64_t expected = simulation.ExpectedFrames();
   Progress bar("recording " + scenario.name, expected, options.quiet || options.progress);

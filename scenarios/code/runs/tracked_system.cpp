@@ -17,8 +17,8 @@ std::unique_ptr<System> MakeTrackedSystem(const ResolvedScenario& resolved, cons
     system = std::make_unique<HandicappedSystem>(std::move(system), scenario.handicap, setup.seed);
   }
   if (SaysNothing(scenario.calibration_error)) return system;
-  return std::make_unique<MiscalibratedSystem>(std::move(system),
-                                               MiscalibratedSensors(error, resolved.robot, scenario.seed));
+  return std::make_unique<MiscalibratedSystem>(
+      std::move(system), MiscalibratedSensors(error, resolved.robot, scenario.seed, calibration.odometry.rate_hz));
 }
 
 bool ActsOnBody(const Scenario& scenario) { return InfoOf(scenario.system).acts; }

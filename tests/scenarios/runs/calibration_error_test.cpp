@@ -37,6 +37,8 @@ Calibration SomeCalibration() {
   calibration.right = calibration.camera;
   calibration.imu.rate_hz = 250;
   calibration.standing = StandingCamera{0.4, {0, -1, 0}};
+  calibration.odometry.rate_hz = 50;  // of a body with a level camera 0.4 m over the floor
+  calibration.odometry.X_BC = {RotZ(-kPi / 2) * RotX(-kPi / 2), Eigen::Vector3d(0.05, 0, 0.4)};
   return calibration;
 }
 
@@ -63,6 +65,10 @@ std::string Text(const Observation& o) {
   for (const JointSample& s : o.joints) {
     text += fmt::format("\n{} {} {}", s.stamp_ns, s.left_contact, s.right_contact);
     for (const double q : s.position) text += fmt::format(" {}", q);
+  }
+  for (const OdometrySample& s : o.odometry) {
+    const Eigen::Vector2d& p = s.X_OB.position;
+    text += fmt::format("\n{} {} {} {}", s.stamp_ns, p.x(), p.y(), s.X_OB.heading);
   }
   return text;
 }
@@ -229,6 +235,10 @@ TEST_F(CalibrationErrorTest, EachErrorOfTheCalibrationIsTold) {
   EXPECT_DOUBLE_EQ(told.standing->height_m, 0.36);
   // A level camera that is believed to look down by 30 degrees has the vertical behind it.
   EXPECT_NEAR((told.standing->up_C - Eigen::Vector3d(0, -std::cos(kPi / 6), -0.5)).norm(), 0, 1e-12);
+  // The odometry's body is told of the same camera.
+  const Pose& X_BC = told.odometry.X_BC;
+  EXPECT_NEAR((X_BC.R().transpose() * Eigen::Vector3d::UnitZ() - told.standing->up_C).norm(), 0, 1e-12);
+  EXPECT_NEAR((X_BC.translation - Eigen::Vector3d(0.05, 0, 0.36)).norm(), 0, 1e-12);
 }
 
 TEST_F(CalibrationErrorTest, EachErrorOfTheSensorsIsHandedOver) {
@@ -290,10 +300,12 @@ TEST_F(CalibrationErrorTest, AFootSwitchIsLateAndThenBounces) {
 
 // The sensors' folder holds what a live system would be told; the truth's is that of the walk without any error.
 TEST_F(CalibrationErrorTest, ARecordingIsWrongAsALiveRunIsAndItsTruthIsRight) {
+  const std::string odometry = "sensors.odometry={}";
   const std::vector<std::string> wrong{
+      odometry,
       "calibration_error={preset: bench, distortion_px: 1, imu_scale_pct: 1, switch_delay_ms: 10, switch_bounce_ms: "
       "20}"};
-  const DatasetFolders right_walk = RecordTinyWalk(temporary_.path() / "right", "euroc");
+  const DatasetFolders right_walk = RecordTinyWalk(temporary_.path() / "right", "euroc", {odometry});
   const DatasetFolders wrong_walk = RecordTinyWalk(temporary_.path() / "wrong", "euroc", wrong);
   const ResolvedScenario resolved = ReadScenario(temporary_.path() / "wrong" / "walk.yaml", wrong);
   const CalibrationError error =
@@ -301,7 +313,7 @@ TEST_F(CalibrationErrorTest, ARecordingIsWrongAsALiveRunIsAndItsTruthIsRight) {
   DatasetReader right(right_walk.sensors), told(wrong_walk.sensors);
   EXPECT_EQ(CalibrationText(told.calibration()), CalibrationText(Miscalibrated(right.calibration(), error)));
   EXPECT_NE(CalibrationText(told.calibration()), CalibrationText(right.calibration()));
-  MiscalibratedSensors sensors(error, resolved.robot, resolved.scenario.seed);
+  MiscalibratedSensors sensors(error, resolved.robot, resolved.scenario.seed, 50);
   size_t frames = 0;
   while (std::optional<Observation> a = right.Next()) {
     const std::optional<Observation> b = told.Next();
@@ -309,6 +321,7 @@ TEST_F(CalibrationErrorTest, ARecordingIsWrongAsALiveRunIsAndItsTruthIsRight) {
     const std::string before = Text(*a);
     sensors.Apply(*a);
     EXPECT_NE(before, Text(*a));
+    EXPECT_FALSE(a->odometry.empty());
     EXPECT_EQ(Text(*a), Text(*b));
     EXPECT_EQ(cv::norm(a->image.pixels, b->image.pixels, cv::NORM_INF), 0);
     ++frames;

@@ -37,6 +37,8 @@ std::vector<FrameEstimate> Play(const HandicapOptions& options, int frames, std:
     observation.stamp_ns = i;
     observation.imu.resize(1);
     observation.imu.front().stamp_ns = i;
+    observation.odometry.resize(1);
+    observation.odometry.front().stamp_ns = i;
     answers.push_back(system.Track(observation));
   }
   return answers;
@@ -49,7 +51,7 @@ TEST(Handicap, TheDefaultsChangeNothing) {
   EXPECT_EQ(FalsifiedCalibration(calibration, {}).camera.fx, calibration.camera.fx);
 }
 
-TEST(Handicap, EveryNthFrameIsDroppedButItsInertialReadingsAreNot) {
+TEST(Handicap, EveryNthFrameIsDroppedButItsOtherReadingsAreNot) {
   HandicapOptions options;
   options.drop_every = 3;
   std::vector<Observation> seen;
@@ -58,6 +60,8 @@ TEST(Handicap, EveryNthFrameIsDroppedButItsInertialReadingsAreNot) {
   EXPECT_EQ(seen[2].stamp_ns, 4);
   ASSERT_EQ(seen[2].imu.size(), 2U);  // of frame 3 and its own
   EXPECT_EQ(seen[2].imu[0].stamp_ns, 3);
+  ASSERT_EQ(seen[2].odometry.size(), 2U);
+  EXPECT_EQ(seen[2].odometry[0].stamp_ns, 3);
   for (int i = 1; i <= 7; ++i) {
     EXPECT_EQ(answers[size_t(i - 1)].stamp_ns, i);
     EXPECT_EQ(answers[size_t(i - 1)].pose.has_value(), i % 3 != 0);

@@ -221,6 +221,29 @@ TEST(CameraRig, TheDepthImageIsThatOfMidExposure) {
   EXPECT_NEAR(frame.depth->pixels.at<float>(10, 32), 1.99, 1e-4);  // the wall's face
 }
 
+TEST(CameraRig, ADepthModelSpoilsTheMeasuredDepthAlone) {
+  EglContext gl;
+  const MjModelPtr model = SpeckledRoom();
+  Renderer renderer(model.get());
+  const MotionRecord record = StandingStill(model.get(), LookingAlongX({0, 0, 0.5}));
+  CameraOptions options;
+  options.width_px = 64;
+  options.height_px = 48;
+  options.depth = true;
+  const RigFrame ideal = CameraRig(options, 1).Expose(renderer, record, 1, {});
+  for (const DepthModel depth_model : {DepthModel::kStructuredLight, DepthModel::kTimeOfFlight}) {
+    options.depth_model = depth_model;
+    CameraRig rig(options, 1);
+    EXPECT_GT(rig.MakeCalibration().depth.Sigma(2), 0);
+    const RigFrame frame = rig.Expose(renderer, record, 1, {});
+    EXPECT_EQ(cv::norm(frame.left.image.pixels, ideal.left.image.pixels, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(frame.left.truth.depth, ideal.left.truth.depth, cv::NORM_INF), 0);
+    EXPECT_GT(cv::norm(frame.depth->pixels, ideal.depth->pixels, cv::NORM_INF), 0);
+    const RigFrame next = rig.Expose(renderer, record, 2, {});
+    EXPECT_GT(cv::norm(frame.depth->pixels, next.depth->pixels, cv::NORM_INF), 0) << "noise of its own";
+  }
+}
+
 std::string Refusal(const CameraOptions& options) {
   try {
     CameraRig rig(options, 1);
