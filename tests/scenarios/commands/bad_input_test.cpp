@@ -101,6 +101,71 @@ TEST_F(BadInputTest, BrokenYamlAndMissingFiles) {
   EXPECT_EQ(no_verb.exit_code, 2);
 }
 
+TEST_F(BadInputTest, NumbersThatNoWalkHasAreRefusedBeforeIt) {
+  const std::string polyline = "path: {kind: polyline, points: [[1, 0], [";
+  ExpectRefusal(polyline + ".nan, 0]]}\n",
+                "s.yaml:1:42: path.points[1][0]: .nan is not permitted; expected a number from", "", "validate");
+  ExpectRefusal(polyline + ".inf, 0]]}\n", ".inf is not permitted; expected a number from", "", "validate");
+  ExpectRefusal(polyline + "1e200, 0]]}\n", "1e200 is not permitted; expected a number from", "", "validate");
+  ExpectRefusal(polyline + "1e6, 0]]}\n", "m long; expected at most 10000 m", "", "validate");
+  ExpectRefusal("start: [1e308, 0, 0]\n", "start[0]: 1e308 is not permitted", "", "validate");
+  ExpectRefusal("start: [1e6, 0, 0]\n", "s.yaml:1:8: start: this is far from every scene", "", "validate");
+  ExpectRefusal("people: [{path: [[0, 0], [1e300, 0]]}]\n", "1e300 is not permitted", "", "validate");
+}
+
+TEST_F(BadInputTest, AnErrorOfTheCameraIsNamedWhereItStands) {
+  ExpectRefusal("system: mobif_vo\ncamera:\n  rate_hz: 30\n",
+                "--set camera.exposure_ms=200: 200 is not permitted; expected at most", "--set camera.exposure_ms=200",
+                "validate");
+  ExpectRefusal("system: mobif_vo\ncamera:\n  exposure_ms: 200\n", "s.yaml:3:16: camera.exposure_ms: 200 is not", "",
+                "validate");
+}
+
+TEST_F(BadInputTest, YamlThatMultipliesItselfOrComesTwiceIsRefused) {
+  ExpectRefusal("people: &a [*a]\n", "s.yaml:1:", "", "validate");
+  std::string bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 10; ++i) {
+    const std::string below = "*a" + std::to_string(i - 1), name = "a" + std::to_string(i);
+    bomb += name + ": &" + name + " [";
+    for (int k = 0; k < 10; ++k) bomb += (k ? ", " : "") + below;
+    bomb += "]\n";
+  }
+  ExpectRefusal(bomb, "more than a million values", "", "validate");
+  ExpectRefusal("seed: 1\n---\nseed: 2\n", "s.yaml:3:1: a second document begins here", "", "validate");
+}
+
+TEST_F(BadInputTest, ANameThatNoFileCanHaveIsRefused) {
+  for (const std::string name : {"'..'", "'.'", "a/b", "\"a\\nb\"", "\"\\0\""}) {
+    ExpectRefusal("name: " + name + "\n", "s.yaml:1:7: name: files are named after this", "", "validate");
+  }
+  ExpectRefusal("name: " + std::string(300, 'x') + "\n", "expected 1 to 100 characters", "", "validate");
+}
+
+TEST_F(BadInputTest, NumbersOfTheCommandLineAreCheckedToo) {
+  ExpectRefusal("", "--seed", "--seed -1");
+  ExpectRefusal("duration_s: 1\n", "--cache-gb: nan is not permitted", "--cache-gb nan", "study");
+}
+
+TEST_F(BadInputTest, ARecordingIsNotPutIntoAStrangersFolder) {
+  std::filesystem::create_directory(temporary_.path() / "thesis");
+  std::ofstream(temporary_.path() / "thesis" / "chapter.tex") << "text";
+  std::ofstream(temporary_.path() / "s.yaml") << "duration_s: 1\n";
+  const ProgramResult result = RunProgram("record s.yaml --out thesis", temporary_.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("holds something else"));
+}
+
+TEST_F(BadInputTest, ScoresDoNotReplaceWhatTheyAreMadeOf) {
+  const std::string poses = "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n3 1 1 0 0 0 0 1\n4 2 1 0 0 0 0 1\n";
+  std::ofstream(temporary_.path() / "e.txt") << poses;
+  const ProgramResult result = RunProgram("score e.txt e.txt --out ./e.txt", temporary_.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("this file is read"));
+  std::ostringstream kept;
+  kept << std::ifstream(temporary_.path() / "e.txt").rdbuf();
+  EXPECT_EQ(kept.str(), poses);
+}
+
 TEST_F(BadInputTest, AFolderThatHoldsSomethingElseIsNotReplaced) {
   std::ofstream(temporary_.path() / "s.yaml") << "duration_s: 1\n";
   const ProgramResult result = RunProgram("run s.yaml --out .", temporary_.path());
