@@ -1,0 +1,251 @@
+#include "algorithms/slam/hybrid_slam.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/core/units.h"
+#include "algorithms/estimation/pose_graph_solver.h"
+#include "algorithms/estimation/semi_consensus.h"
+
+namespace gaitcam {
+
+HybridSlamOptions::HybridSlamOptions() : robust(RobustViewOptions::By(Robustness::kIcgm)) {
+  robust.icgm.direction = IcgmDirection::kDouble;
+}
+
+HybridSlam::HybridSlam(const Calibration& calibration, const HybridSlamOptions& options, uint64_t seed)
+    : calibration_(calibration),
+      options_(options),
+      loop_links_(options.links),
+      random_(seed, "hybrid_slam"),
+      detector_(MakeFeature2d(options.feature, options.sensitivity)),
+      robust_(options.robust, seed),
+      body_(calibration.odometry),
+      search_(options.search) {
+  CheckFields(options, "hybrid_slam.");
+  if (!calibration.has_depth)
+    throw BadInput("hybrid_slam needs depth images, which the calibration does not have (has_depth: true)");
+  loop_links_.filter.filter = options.loop_filter;
+  loop_links_.min_inliers = options.loop_inliers;
+}
+
+void HybridSlam::CheckFrame(const Observation& o) const {
+  if (!o.depth) throw BadInput("hybrid_slam: the frame at " + std::to_string(o.stamp_ns) + " ns has no depth image");
+  if (o.depth->pixels.size() == o.image.pixels.size() && o.depth->pixels.type() == CV_32FC1) return;
+  throw BadInput("hybrid_slam: the depth image at " + std::to_string(o.stamp_ns) +
+                 " ns should have the size of the image, and metres as float");
+}
+
+FrameEstimate HybridSlam::Track(const Observation& observation) {
+  CheckFrame(observation);
+  body_.Add(observation.odometry);
+  const int64_t stamp_ns = observation.stamp_ns;
+  const cv::Mat& image = observation.image.pixels;
+  Features features = ViewFrame(image, calibration_.camera, *detector_, options_.max_features, {}).features;
+  const MetricModel seen = MakeMetricModel(features, observation.depth->pixels, calibration_, options_.models);
+  Frame frame;
+  frame.answer.stamp_ns = stamp_ns;
+  frame.answer.features = features.size();
+  std::vector<RobustView> ready = robust_.Add(stamp_ns, {image.size(), std::move(features)});
+  const auto settle = [&] {
+    for (const RobustView& view : ready) Settle(view);
+  };
+  settle();  // the frame before, where it waited for this one
+  frame.stand = Locate(seen, frame.answer);
+  ++frames_since_model_;
+  const bool first = graph_.nodes.empty() && int(seen.p_C.size()) >= options_.links.min_inliers;
+  if (first || BecomesModel(frame.stand)) {
+    frame.stand = AddNode(stamp_ns, frame.stand);
+    waiting_.push_back({stamp_ns, observation.depth->pixels.clone()});
+    settle();  // itself, where it waits for none
+  }
+  if (frame.stand) {
+    last_stands_ = frames_.size();
+    body_.Forget(stamp_ns);
+    ++graph_.candidates;
+  }
+  last_seen_ = seen;
+  frames_.push_back(std::move(frame));
+  return AnswerOf(frames_.back());
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// A frame against the models.
+
+std::optional<HybridSlam::Stand> HybridSlam::Locate(const MetricModel& seen, FrameEstimate& answer) {
+  if (graph_.nodes.empty()) return std::nullopt;
+  std::optional<Stand> stand;
+  if (!models_.empty()) stand = LinkWith(int(models_.size()) - 1, seen, &answer.matches);
+  const bool lost = !last_stands_ || *last_stands_ + 1 != frames_.size();
+  if (!stand && !lost) stand = ChainWithFrameBefore(seen);
+  if (!stand) stand = DeadReckon(answer.stamp_ns);
+  if (!stand && lost) stand = Relocalise(seen);
+  if (stand) answer.inliers = stand->inliers;
+  return stand;
+}
+
+/// R_x of M_x and a model before it.
+std::optional<HybridSlam::Stand> HybridSlam::LinkWith(int model, const MetricModel& seen, int* matches) {
+  const auto link = LinkModels(models_[size_t(model)], seen, options_.links, random_, matches);
+  if (!link) return std::nullopt;
+  return Stand{model, link->X_FT, link->covariance, false, false, link->inliers};
+}
+
+std::optional<HybridSlam::Stand> HybridSlam::ChainWithFrameBefore(const MetricModel& seen) {
+  const auto link = LinkModels(last_seen_, seen, options_.links, random_);
+  if (!link) return std::nullopt;
+  std::optional<Stand> stand = From(frames_.back(), link->X_FT, link->covariance);
+  stand->chained = true;
+  stand->inliers = link->inliers;
+  return stand;
+}
+
+/// "When failed, ... we update relative pose which calculated from tires' odometry to R."
+std::optional<HybridSlam::Stand> HybridSlam::DeadReckon(int64_t stamp_ns) const {
+  if (!last_stands_) return std::nullopt;
+  const Frame& last = frames_[*last_stands_];
+  const std::optional<RelativePose> moved = body_.Between(last.answer.stamp_ns, stamp_ns);
+  if (!moved) return std::nullopt;
+  std::optional<Stand> stand = From(last, moved->X_FT, moved->covariance);
+  stand->dead_reckoned = true;
+  return stand;
+}
+
+/// By the models that score best, wherever they are.
+std::optional<HybridSlam::Stand> HybridSlam::Relocalise(const MetricModel& seen) {
+  std::optional<Stand> best;
+  for (const std::vector<int>& pass : search_.BestOfEachPass(seen.features.descriptors, search_.size())) {
+    for (const int model : pass) {
+      const std::optional<Stand> stand = LinkWith(model, seen);
+      if (stand && (!best || stand->inliers > best->inliers)) best = stand;
+    }
+  }
+  return best;
+}
+
+/// A stand by way of a frame whose own is known.
+std::optional<HybridSlam::Stand> HybridSlam::From(const Frame& frame, const Pose& X_FT,
+                                                  const Matrix6d& covariance) const {
+  Stand stand = *frame.stand;
+  stand.X_MC = stand.X_MC * X_FT;
+  stand.covariance = CovarianceOfProduct(X_FT, stand.covariance, covariance);
+  stand.inliers = 0;
+  return stand;
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Models.
+
+bool HybridSlam::BecomesModel(const std::optional<Stand>& stand) const {
+  if (!stand) return false;
+  if (stand->chained && !stand->dead_reckoned && waiting_.empty()) return true;  // the last model is out of sight
+  if (frames_since_model_ < options_.interval) return false;
+  const Pose X_LC = graph_.nodes.back().X_WC.Inverse() * graph_.nodes[size_t(stand->model)].X_WC * stand->X_MC;
+  return X_LC.translation.norm() >= options_.model_m ||
+         RotationAngle(Eigen::Quaterniond::Identity(), X_LC.rotation) >= kRadPerDeg * options_.model_deg;
+}
+
+/// Eq. 6.1: L_n = L_(n - phi) + R_n. @returns how the frame stands to its own node.
+HybridSlam::Stand HybridSlam::AddNode(int64_t stamp_ns, const std::optional<Stand>& stand) {
+  const int node = int(graph_.nodes.size());
+  frames_since_model_ = 0;
+  graph_.nodes.push_back({stamp_ns, {}, Matrix6d::Zero()});
+  Stand own{node, {}, Matrix6d::Zero(), false, false, 0};
+  if (!stand) return own;
+  const GraphNode& from = graph_.nodes[size_t(stand->model)];
+  graph_.nodes.back().X_WC = from.X_WC * stand->X_MC;
+  graph_.nodes.back().covariance = CovarianceOfProduct(stand->X_MC, from.covariance, stand->covariance);
+  graph_.links.push_back({stand->model, node, stand->X_MC, stand->covariance, false, 1, stand->dead_reckoned});
+  own.inliers = stand->inliers;
+  return own;
+}
+
+/// The robust features of a view are known: it may be linked with, if it is one of a model.
+void HybridSlam::Settle(const RobustView& view) {
+  if (waiting_.empty() || waiting_.front().stamp_ns != view.stamp_ns) return;
+  models_.push_back(MakeMetricModel(view.features, waiting_.front().depth, calibration_, options_.models));
+  waiting_.pop_front();
+  search_.Add(models_.back().features.descriptors);
+  CloseLoops(int(models_.size()) - 1);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Loops.
+
+void HybridSlam::CloseLoops(int model) {
+  std::vector<GraphLink> loops;
+  for (const std::vector<int>& pass : search_.BestOfEachPass(models_[size_t(model)].features.descriptors)) {
+    if (const auto loop = BestLinkWithPass(model, pass)) loops.push_back(*loop);
+  }
+  if (loops.empty()) return;
+  graph_.links.insert(graph_.links.end(), loops.begin(), loops.end());
+  if (options_.correction == LoopCorrection::kSemiConsensus) return CorrectBySemiConsensus(model, loops);
+  SolvePoseGraph(graph_);
+  const PoseGraphCovariances covariances(graph_);
+  for (size_t node = size_t(model); node < graph_.nodes.size(); ++node)
+    graph_.nodes[node].covariance = covariances.Of(int(node));
+}
+
+/// beta_i: "by comparing the 3 output RANSAC modeling results", that of the most inliers.
+std::optional<GraphLink> HybridSlam::BestLinkWithPass(int model, const std::vector<int>& pass) {
+  std::optional<GraphLink> best;
+  int inliers = 0;
+  for (const int earlier : pass) {
+    const auto link = LinkModels(models_[size_t(earlier)], models_[size_t(model)], loop_links_, random_);
+    if (!link || link->inliers <= inliers) continue;
+    inliers = link->inliers;
+    best = GraphLink{earlier, model, link->X_FT, link->covariance, true, 1, false};
+  }
+  return best;
+}
+
+void HybridSlam::CorrectBySemiConsensus(int model, const std::vector<GraphLink>& loops) {
+  std::vector<LikelyPose> closed;  // L_loop_i = L_li + beta_i
+  for (const GraphLink& loop : loops)
+    closed.push_back({graph_.nodes[size_t(loop.from)].X_WC * loop.X_FT, loop.covariance});
+  std::vector<Pose> chain;  // L_a ... L_b
+  for (int node = last_corrected_; node <= model; ++node) chain.push_back(graph_.nodes[size_t(node)].X_WC);
+  const Pose before = chain.back();
+  ReachSemiConsensus(chain, MahalanobisMean(closed), options_.alpha);
+  for (size_t k = 0; k < chain.size(); ++k) graph_.nodes[size_t(last_corrected_) + k].X_WC = chain[k];
+  const Pose moved = chain.back() * before.Inverse();
+  for (size_t node = size_t(model) + 1; node < graph_.nodes.size(); ++node)
+    graph_.nodes[node].X_WC = moved * graph_.nodes[node].X_WC;
+  last_corrected_ = model;
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Answers.
+
+FrameEstimate HybridSlam::AnswerOf(const Frame& frame) const {
+  FrameEstimate answer = frame.answer;
+  if (frame.stand) {
+    const GraphNode& node = graph_.nodes[size_t(frame.stand->model)];
+    answer.status = TrackingStatus::kTracking;
+    answer.pose = node.X_WC * frame.stand->X_MC;
+    if (options_.correction == LoopCorrection::kGraph)
+      answer.covariance = CovarianceOfProduct(frame.stand->X_MC, node.covariance, frame.stand->covariance);
+  } else if (last_stands_) {
+    answer.status = TrackingStatus::kLost;
+    answer.predicted = AnswerOf(frames_[*last_stands_]).pose;
+  }
+  return answer;
+}
+
+std::vector<FrameEstimate> HybridSlam::Finish() {
+  for (const RobustView& view : robust_.Finish()) Settle(view);
+  if (options_.correction == LoopCorrection::kGraph && graph_.nodes.size() > 1) {
+    const PoseGraphCovariances covariances(graph_);
+    for (size_t node = 0; node < graph_.nodes.size(); ++node) graph_.nodes[node].covariance = covariances.Of(int(node));
+  }
+  std::vector<FrameEstimate> answers;
+  for (const Frame& frame : frames_) {
+    answers.push_back(frame.stand ? AnswerOf(frame) : frame.answer);
+    if (!frame.stand)
+      answers.back().status = graph_.nodes.empty() ? TrackingStatus::kInitializing : TrackingStatus::kLost;
+  }
+  return answers;
+}
+
+}  // namespace gaitcam
