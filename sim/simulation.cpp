@@ -28,10 +28,8 @@ Pose PoseFrom(const double* position, const double* matrix) {
 }
 
 /// By the nominal kinematics, soles on the floor.
-StandingCamera StandingCameraOf(const Robot& robot, const Pose& X_MC, const Pose& X_WR,
-                                const std::vector<double>& joints) {
-  const Pose X_WC = X_WR * LinkPoses(robot, joints)[robot.camera.link] * robot.camera.X_LS * X_MC;
-  return {X_WC.translation.z(), X_WC.R().transpose() * Eigen::Vector3d::UnitZ()};
+Pose StandingCameraPose(const Robot& robot, const Pose& X_MC, const Pose& X_WR, const std::vector<double>& joints) {
+  return X_WR * LinkPoses(robot, joints)[robot.camera.link] * robot.camera.X_LS * X_MC;
 }
 
 double PathTime(const Robot& robot, const SimulationOptions& options) {
@@ -73,6 +71,7 @@ void ToSensorClock(SimulatedFrame& frame) {
   if (seen.depth) shift(seen.depth->stamp_ns);
   for (ImuSample& sample : seen.imu) shift(sample.stamp_ns);
   for (JointSample& sample : seen.joints) shift(sample.stamp_ns);
+  for (OdometrySample& sample : seen.odometry) shift(sample.stamp_ns);
   shift(frame.truth.stamp_ns);
   for (Subframe& subframe : frame.truth.subframes) shift(subframe.stamp_ns);
 }
@@ -117,7 +116,11 @@ Simulation::Simulation(const Robot& robot, const Scene& scene, const SimulationO
   PutAtStart();
   const Pose& X_MC = rig_.WorldCameras().front().X_MC;
   calibration_.imu = CalibrateImu(robot, options.sensors, X_MC, controller_->InitialJoints());
-  calibration_.standing = StandingCameraOf(robot, X_MC, controller_->InitialRoot(), controller_->InitialJoints());
+  const Pose X_WR = controller_->InitialRoot();
+  const Pose X_WC = StandingCameraPose(robot, X_MC, X_WR, controller_->InitialJoints());
+  calibration_.standing = {X_WC.translation.z(), X_WC.R().transpose() * Eigen::Vector3d::UnitZ()};
+  calibration_.odometry = CalibrateOdometry(robot, options.sensors);
+  if (calibration_.odometry.rate_hz > 0) calibration_.odometry.X_BC = PlanarPose(X_WR).Lifted().Inverse() * X_WC;
 }
 
 Simulation::~Simulation() = default;
@@ -274,6 +277,7 @@ LatentSimulatedFrame Simulation::Film(const TruthOptions& truth) {
   seen.exposure_ms = latent.film.exposure_ms;
   seen.imu = sensors_.TakeImu();
   seen.joints = std::exchange(joints_, {});
+  seen.odometry = sensors_.TakeOdometry();
   seen.scan = scan;
   FillTruth(stamp_ns, latent.film.left.frame.truth);
   return latent;

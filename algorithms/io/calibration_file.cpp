@@ -332,6 +332,39 @@ LensUncertainty ReadLens(const YamlMap& map) {
   return lens;
 }
 
+DepthCalibration ReadDepth(const YamlMap& map) {
+  map.RejectUnknown({"sigma_m", "sigma_per_m"});
+  return {SigmaOf(map, "sigma_m"), SigmaOf(map, "sigma_per_m")};
+}
+
+const std::vector<std::string> kOdometrySigmas = {"position_per_sqrt_m", "heading_per_sqrt_m", "heading_per_sqrt_rad"};
+
+std::vector<double*> OdometrySigmas(OdometryCalibration& odometry) {
+  return {&odometry.position_per_sqrt_m, &odometry.heading_per_sqrt_m, &odometry.heading_per_sqrt_rad};
+}
+
+OdometryCalibration ReadOdometry(const YamlMap& map) {
+  std::vector<std::string> known = kOdometrySigmas;
+  known.insert(known.end(), {"rate_hz", "X_BC"});
+  map.RejectUnknown(known);
+  OdometryCalibration odometry;
+  odometry.rate_hz = map.Number("rate_hz");
+  if (!(odometry.rate_hz > 0)) map.Fail("rate_hz", "expected a rate above 0 Hz");
+  odometry.X_BC = ReadPose(map.Map("X_BC"));
+  const std::vector<double*> members = OdometrySigmas(odometry);
+  for (size_t i = 0; i < members.size(); ++i) *members[i] = SigmaOf(map, kOdometrySigmas[i].c_str());
+  return odometry;
+}
+
+std::string OdometryText(OdometryCalibration odometry) {
+  std::string text =
+      "odometry:  # of the body B, on the floor below its trunk; standard deviations after 1 m, or 1 rad; m, rad\n";
+  text += "  rate_hz: " + ExactText(odometry.rate_hz) + "\n" + PoseText("  ", "X_BC", odometry.X_BC);
+  const std::vector<double*> members = OdometrySigmas(odometry);
+  for (size_t i = 0; i < members.size(); ++i) text += "  " + kOdometrySigmas[i] + ": " + ExactText(*members[i]) + "\n";
+  return text;
+}
+
 }  // namespace
 
 std::string CalibrationText(const Calibration& calibration) {
@@ -355,6 +388,11 @@ std::string CalibrationText(const Calibration& calibration) {
     text += "  focal: " + ExactText(lens.focal) + "\n  centre_px: " + ExactText(lens.centre_px) +
             "\n  right_focal: " + ExactText(lens.right_focal) + "\n";
   }
+  if (const DepthCalibration& depth = calibration.depth; depth.Sigma(1) > 0) {
+    text += "depth:  # standard deviations: at any distance, m; of one that grows with its square, m at 1 m\n";
+    text += "  sigma_m: " + ExactText(depth.sigma_m) + "\n  sigma_per_m: " + ExactText(depth.sigma_per_m) + "\n";
+  }
+  if (calibration.odometry.rate_hz > 0) text += OdometryText(calibration.odometry);
   if (!calibration.standing) return text;
   const StandingCamera& standing = *calibration.standing;
   const Eigen::Vector3d& up = standing.up_C;
@@ -367,7 +405,8 @@ std::string CalibrationText(const Calibration& calibration) {
 
 Calibration ReadCalibration(const std::filesystem::path& file) {
   const YamlMap map(file);
-  map.RejectUnknown({"camera", "right", "X_LR", "has_depth", "frame_rate_hz", "readout_ms", "imu", "standing", "lens"});
+  map.RejectUnknown({"camera", "right", "X_LR", "has_depth", "frame_rate_hz", "readout_ms", "imu", "standing", "lens",
+                     "depth", "odometry"});
   Calibration calibration;
   calibration.camera = ReadCamera(map.Map("camera"));
   if (map.Has("right")) {
@@ -382,6 +421,8 @@ Calibration ReadCalibration(const std::filesystem::path& file) {
   }
   if (map.Has("lens")) calibration.lens = ReadLens(map.Map("lens"));
   if (map.Has("imu")) calibration.imu = ReadImu(map.Map("imu"));
+  if (map.Has("depth")) calibration.depth = ReadDepth(map.Map("depth"));
+  if (map.Has("odometry")) calibration.odometry = ReadOdometry(map.Map("odometry"));
   if (map.Has("standing")) calibration.standing = ReadStanding(map.Map("standing"));
   return calibration;
 }

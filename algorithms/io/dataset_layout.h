@@ -9,8 +9,10 @@
 ///   VSLAM-LAB's
 ///                        layout, which has a calibration.yaml of its own, calibration_gaitcam.yaml
 ///   settings/            the same calibration as other programs read it (program_settings.h)
-///   exposure.csv         stamp_ns, exposure_ms, and how many samples of imu.csv and joints.csv belong to the frame
+///   exposure.csv         stamp_ns, exposure_ms, and how many samples of imu.csv, joints.csv and, if it is
+///                        there, odometry.csv belong to the frame
 ///   joints.csv           stamp_ns and readings; numbers as short as they come back exactly
+///   odometry.csv         stamp_ns and where the body has come to as it reckons, if it does: x m, y m, heading rad
 ///   about.txt            what the folder holds, which frames and instants its numbers mean, how the recording ended,
 ///   and
 ///                        the command line of each program that there are settings for

@@ -52,6 +52,18 @@ JointSample ParseJoints(const TextTable& table) {
   return sample;
 }
 
+OdometrySample ParseOdometry(const TextTable& table) {
+  if (table.size() != 4) {
+    table.Fail("has " + std::to_string(table.size()) +
+               " fields; expected stamp_ns, x in m, y in m and heading in rad, separated by commas");
+  }
+  OdometrySample sample;
+  sample.stamp_ns = table.Integer(0, "the time in nanoseconds");
+  sample.X_OB.position = {table.Number(1, "the body's x in m"), table.Number(2, "the body's y in m")};
+  sample.X_OB.heading = table.Number(3, "the body's heading in rad");
+  return sample;
+}
+
 /// Samples from a table, handed out as frames come.
 template <class Sample>
 class SampleTable {
@@ -127,6 +139,7 @@ class DatasetReader::Source {
   std::optional<TextTable> exposures_;
   std::optional<SampleTable<ImuSample>> imu_;
   std::optional<SampleTable<JointSample>> joints_;
+  std::optional<SampleTable<OdometrySample>> odometry_;
 };
 
 DatasetReader::Source::Source(const fs::path& folder, const DatasetReaderOptions& options)
@@ -160,6 +173,8 @@ void DatasetReader::Source::OpenOthers() {
   if (calibration_.imu.rate_hz > 0 && fs::exists(imu))
     imu_.emplace(imu, &ParseImu, format_ == DatasetFormat::kVslamlab);
   if (fs::exists(folder_ / "joints.csv")) joints_.emplace(folder_ / "joints.csv", &ParseJoints);
+  const fs::path odometry = folder_ / "odometry.csv";
+  if (calibration_.odometry.rate_hz > 0 && fs::exists(odometry)) odometry_.emplace(odometry, &ParseOdometry);
 }
 
 cv::Mat DatasetReader::Source::ReadPixels(const ListedImage& listed, const CameraModel& camera) const {
@@ -182,6 +197,7 @@ Image DatasetReader::Source::ReadDepth(const ListedImage& listed) const {
 void DatasetReader::Source::AddSamples(Observation& observation) {
   if (!exposures_) {
     if (imu_) observation.imu = imu_->TakeUntil(observation.stamp_ns);
+    if (odometry_) observation.odometry = odometry_->TakeUntil(observation.stamp_ns);
     return;
   }
   if (!exposures_->Next()) exposures_->Fail("the table ends; there are more images");
@@ -195,6 +211,10 @@ void DatasetReader::Source::AddSamples(Observation& observation) {
   if (joint_samples > 0 && !joints_) exposures_->Fail("says joint samples, but there are none");
   if (imu_) observation.imu = imu_->Take(imu_samples);
   if (joints_) observation.joints = joints_->Take(joint_samples);
+  if (calibration_.odometry.rate_hz <= 0) return;
+  const int64_t odometry_samples = exposures_->Integer(4, "the number of samples of odometry");
+  if (odometry_samples > 0 && !odometry_) exposures_->Fail("says samples of odometry, but there is no odometry.csv");
+  if (odometry_) observation.odometry = odometry_->Take(odometry_samples);
 }
 
 std::optional<Observation> DatasetReader::Source::Next() {

@@ -323,7 +323,7 @@ class DatasetWriter::Files {
   ImageFiles left_;
   std::optional<ImageFiles> right_, depth_;
   RowFile times_, exposures_;
-  std::optional<RowFile> streams_, associations_, stamps_, imu_, accelerometer_, joints_;
+  std::optional<RowFile> streams_, associations_, stamps_, imu_, accelerometer_, joints_, odometry_;
   std::optional<TruthFiles> truth_;
   bool grey_ = false;
   int64_t frames_ = 0, last_stamp_ns_ = 0;
@@ -338,7 +338,8 @@ DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& ca
       folder_(folders.sensors),
       left_(Listing(ImageStream::kLeft), "images"),
       times_(TimesFileOf(folder_.path(), options.format)),
-      exposures_(folder_.path() / "exposure.csv", "#stamp_ns,exposure_ms,imu_samples,joint_samples"),
+      exposures_(folder_.path() / "exposure.csv", std::string("#stamp_ns,exposure_ms,imu_samples,joint_samples") +
+                                                      (calibration.odometry.rate_hz > 0 ? ",odometry_samples" : "")),
       jobs_(options) {
   CheckOptions();
   WriteCalibrations();
@@ -353,6 +354,11 @@ DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& ca
     streams_.emplace(Listing(ImageStream::kLeft).table, columns);
   }
   if (calibration.imu.rate_hz > 0) OpenImu();
+  if (calibration.odometry.rate_hz > 0) {
+    odometry_.emplace(folder_.path() / "odometry.csv",
+                      "# the body as its wheels or legs reckon it, where it stood at first: m, m, rad (not wrapped)\n"
+                      "#stamp_ns,x_m,y_m,heading_rad");
+  }
 }
 
 void DatasetWriter::Files::CheckOptions() const {
@@ -408,6 +414,8 @@ void DatasetWriter::Files::Check(const Observation& o) const {
   if (o.right) check_size(o.right->pixels, *calibration_.right, "right image");
   if (o.depth) check_size(o.depth->pixels, calibration_.camera, "depth image");
   if (!imu_ && !o.imu.empty()) throw BadInput(where + "has IMU samples, but the calibration says that there is no IMU");
+  if (!odometry_ && !o.odometry.empty())
+    throw BadInput(where + "has samples of odometry, but the calibration says that there is none");
 }
 
 void DatasetWriter::Files::AddImages(const Observation& o) {
@@ -457,6 +465,12 @@ void DatasetWriter::Files::AddSamples(const Observation& o) {
     for (const double position : sample.position) row += "," + ExactText(position);
     joints_->Row(row);
   }
+  for (const OdometrySample& sample : o.odometry) {
+    std::string row = std::to_string(sample.stamp_ns);
+    const Eigen::Vector2d& p = sample.X_OB.position;
+    for (const double number : {p.x(), p.y(), sample.X_OB.heading}) row += "," + ExactText(number);
+    odometry_->Row(row);
+  }
 }
 
 void DatasetWriter::Files::Add(const Observation& o, const std::optional<FilmedTruth>& truth) {
@@ -465,7 +479,8 @@ void DatasetWriter::Files::Add(const Observation& o, const std::optional<FilmedT
   AddImages(o);
   AddSamples(o);
   times_.Row(fmt::format("{:05d} {} {}", frames_, SecondsText(o.stamp_ns), ExactText(o.exposure_ms)));
-  exposures_.Row(fmt::format("{},{},{},{}", o.stamp_ns, ExactText(o.exposure_ms), o.imu.size(), o.joints.size()));
+  exposures_.Row(fmt::format("{},{},{},{}", o.stamp_ns, ExactText(o.exposure_ms), o.imu.size(), o.joints.size()) +
+                 (odometry_ ? fmt::format(",{}", o.odometry.size()) : ""));
   if (truth) {
     if (!truth_) truth_.emplace(folders_.truth, folder_.path(), calibration_, options_);
     truth_->Add(o.stamp_ns, *truth, jobs_);
@@ -480,7 +495,7 @@ void DatasetWriter::Files::Finish(const std::string& ending) {
   for (auto* files : {&right_, &depth_}) {
     if (*files) (*files)->Close();
   }
-  for (auto* file : {&streams_, &associations_, &stamps_, &imu_, &accelerometer_, &joints_}) {
+  for (auto* file : {&streams_, &associations_, &stamps_, &imu_, &accelerometer_, &joints_, &odometry_}) {
     if (*file) (*file)->Close();
   }
   left_.Close();

@@ -32,6 +32,10 @@ void CameraOptions::Check() const {
                       " ms (camera.rate_hz: " + internal::NumberText(rate_hz) + ")");
     }
   }
+  if (depth_model != DepthModel::kIdeal && !depth) {
+    throw BadOption("camera.depth_model: " + std::string(ToWord(depth_model)) +
+                    " has no depth camera to go with; expected camera.depth: true beside it");
+  }
   if (jpeg) CheckFields(*jpeg, "camera.jpeg.");
   if (exposure.max_subframes < exposure.min_subframes) {
     throw BadOption("camera.max_subframes: " + std::to_string(exposure.max_subframes) +
@@ -94,6 +98,7 @@ Calibration CameraRig::MakeCalibration() const {
     calibration.X_LR = X_LR();
   }
   calibration.has_depth = options_.depth;
+  calibration.depth = DepthDataSheet(options_.depth_model);
   calibration.frame_rate_hz = options_.rate_hz;
   calibration.readout_ms = options_.exposure.readout_ms;
   return calibration;
@@ -142,8 +147,9 @@ LatentRigFrame CameraRig::Film(Renderer& renderer, const MotionRecord& record, i
   const auto noise = [&](size_t i) { return RandomStream(seed_, kNames[i] + ("." + std::to_string(frame))); };
   TruthOptions wanted = truth;
   wanted.depth |= options_.depth;
-  LatentRigFrame latent{cameras_[0].Film(renderer, record, stamp_ns, wanted, noise(0)), std::nullopt,
+  LatentRigFrame latent{cameras_[0].Film(renderer, record, stamp_ns, wanted, noise(0)), std::nullopt, std::nullopt,
                         exposure_.exposure_ms};
+  if (options_.depth) latent.depth_noise.emplace(seed_, "camera.depth." + std::to_string(frame));
   constexpr TruthOptions kPosesOnly{false, false, false};
   if (cameras_.size() > 1) latent.right = cameras_[1].Film(renderer, record, stamp_ns, kPosesOnly, noise(1));
   if (auto_exposure_) {
@@ -159,7 +165,11 @@ LatentRigFrame CameraRig::Film(Renderer& renderer, const MotionRecord& record, i
 RigFrame CameraRig::Develop(LatentRigFrame latent) const {
   RigFrame result;
   result.left = cameras_[0].Develop(std::move(latent.left));
-  if (options_.depth) result.depth = Image{result.left.image.stamp_ns, result.left.truth.depth};
+  if (options_.depth) {
+    const Image& left = result.left.image;
+    result.depth = Image{left.stamp_ns, MeasureDepth(options_.depth_model, result.left.truth.depth,
+                                                     cameras_[0].lens().rays(), left.pixels, *latent.depth_noise)};
+  }
   if (latent.right) result.right = cameras_[1].Develop(std::move(*latent.right));
   if (options_.jpeg) {
     result.left.image.pixels = ThroughJpeg(result.left.image.pixels, *options_.jpeg);

@@ -10,6 +10,7 @@
 
 #include "algorithms/core/camera.h"
 #include "sim/camera/auto_exposure.h"
+#include "sim/camera/depth_camera.h"
 #include "sim/camera/exposure.h"
 #include "sim/camera/jpeg.h"
 #include "sim/camera/renderer.h"
@@ -71,6 +72,7 @@ struct CameraOptions {
   double pitch_deg = 12;
   bool grey = false;
   bool depth = false;
+  DepthModel depth_model = DepthModel::kIdeal;
   int antialias = 4;
   bool shadows = false;
   ExposureOptions exposure;  ///< In a scenario file these keys stand directly under `camera`.
@@ -99,6 +101,8 @@ void VisitFields(Visitor& visit, CameraOptions& o) {
   visit("pitch_deg", o.pitch_deg, Between(-90, 90), "tilt of the mount, positive looks down");
   visit("grey", o.grey, Nested(), "monochrome sensor");
   visit("depth", o.depth, Nested(), "depth beside the left image, at mid-exposure");
+  visit("depth_model", o.depth_model, EnumWords<DepthModel>(),
+        "errors of the depth: ideal has none; as a Kinect's structured_light; as a time_of_flight camera's");
   visit("antialias", o.antialias, Between(1, 64), "at least so many samples, spread over its square, make a pixel");
   visit("shadows", o.shadows, Nested(), "cast shadows; several times slower in software");
   VisitFields(visit, o.exposure);
@@ -119,14 +123,15 @@ void ReadOption(const OptionValue& node, CameraOptions& value);
 struct RigFrame {
   ExposedFrame left;                  ///< Or the only camera.
   std::optional<ExposedFrame> right;  ///< Stereo rigs only; of its truth, poses and sub-frames.
-  std::optional<Image> depth;         ///< CV_32FC1, m, of the left camera at mid-exposure.
+  std::optional<Image> depth;         ///< CV_32FC1, m, of the left camera at mid-exposure, as measured.
 };
 
 /// The same before it is developed.
 struct LatentRigFrame {
   LatentFrame left;
   std::optional<LatentFrame> right;
-  double exposure_ms = 0;  ///< Of this frame.
+  std::optional<RandomStream> depth_noise;  ///< Of a depth camera.
+  double exposure_ms = 0;                   ///< Of this frame.
 };
 
 class CameraRig {

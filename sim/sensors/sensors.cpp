@@ -50,6 +50,14 @@ ImuCalibration CalibrateImu(const Robot& robot, const SensorOptions& options, co
   return calibration;
 }
 
+OdometryCalibration CalibrateOdometry(const Robot& robot, const SensorOptions& options) {
+  if (!options.odometry || robot.kind != Robot::Kind::kOmniBase) return {};
+  if (!options.perfect) return WheelDataSheet(robot.drive, *options.odometry);
+  OdometryCalibration exact;
+  exact.rate_hz = options.odometry->rate_hz;
+  return exact;
+}
+
 WindowMean::WindowMean(double rate_hz, int64_t now_ns) : period_ns_(1e9 / rate_hz) {
   window_ = int64_t(std::floor(double(now_ns) / period_ns_ + 0.5));
   filled_until_ = Boundary(window_);
@@ -88,11 +96,14 @@ SensorSuite::SensorSuite(const World& world, const SensorOptions& options, uint6
       imu_random_(seed, "imu"),
       encoder_random_(seed, "encoders") {
   CheckFields(options, "sensors.");
-  const double highest = 1e9 / double(timestep_ns_);
-  if (options.imu_rate_hz > highest * (1 + 1e-9)) {
-    throw BadOption(fmt::format("sensors.imu_rate_hz = {}: expected at most {}, one sample per physics step",
-                                options.imu_rate_hz, highest));
+  if (options.odometry) CheckFields(*options.odometry, "sensors.odometry.");
+  CheckRates();
+  if (options.odometry && !HasOdometry(world.robot())) {
+    throw BadOption("sensors.odometry: " + world.robot().name +
+                    " is carried and has neither wheels nor legs; expected no such block");
   }
+  if (options.odometry && world.robot().kind == Robot::Kind::kOmniBase)
+    wheels_.emplace(world, *options.odometry, options.perfect, seed);
   if (!options.perfect) {
     gyro_bias_ = options.gyro_bias * NormalVector(imu_random_);
     accelerometer_bias_ = options.accel_bias * NormalVector(imu_random_);
@@ -106,7 +117,19 @@ SensorSuite::SensorSuite(const World& world, const SensorOptions& options, uint6
                         latest_.specific_force);
 }
 
+void SensorSuite::CheckRates() const {
+  const double highest = 1e9 / double(timestep_ns_);
+  const auto check = [&](const char* key, double rate_hz) {
+    if (rate_hz <= highest * (1 + 1e-9)) return;
+    throw BadOption(
+        fmt::format("sensors.{} = {}: expected at most {}, one sample per physics step", key, rate_hz, highest));
+  };
+  check("imu_rate_hz", options_.imu_rate_hz);
+  if (options_.odometry) check("odometry.rate_hz", options_.odometry->rate_hz);
+}
+
 void SensorSuite::Step(const World& world) {
+  if (wheels_) wheels_->Step(world);
   gyro_.Extend(world.stamp_ns(), ReadSensor(world, gyro_address_));
   accelerometer_.Extend(world.stamp_ns() - timestep_ns_ / 2, ReadSensor(world, accelerometer_address_));
   while (const auto force = accelerometer_.Take()) {  // the later one of the two
@@ -129,6 +152,10 @@ void SensorSuite::AddNoise(ImuSample& sample) {
 }
 
 std::vector<ImuSample> SensorSuite::TakeImu() { return std::exchange(samples_, {}); }
+
+std::vector<OdometrySample> SensorSuite::TakeOdometry() {
+  return wheels_ ? wheels_->Take() : std::vector<OdometrySample>();
+}
 
 JointSample SensorSuite::ReadJoints(const World& world) {
   JointSample sample;

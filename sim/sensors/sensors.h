@@ -1,4 +1,4 @@
-/// What the robot's own sensors read: inertial measurement unit, joint encoders, foot switches.
+/// What the robot's own sensors read: inertial measurement unit, joint encoders, foot switches, odometry of wheels.
 ///
 /// Noise follows data sheets, as in Woodman, "An introduction to inertial navigation" (2007), sections 3.2 and 4.2:
 /// white noise of density n and a bias that walks with density b. A reading is the mean over one sample period T = 1 /
@@ -18,6 +18,8 @@
 #include "algorithms/core/observation.h"
 #include "algorithms/core/random.h"
 #include "models/code/robots/robot.h"
+#include "sim/sensors/odometry_options.h"
+#include "sim/sensors/wheel_odometry.h"
 #include "sim/world/world.h"
 
 namespace gaitcam {
@@ -35,6 +37,7 @@ struct SensorOptions {
   double encoder_noise = 5e-4;
   double encoder_resolution = 1.534e-3;
   double contact_threshold_n = 0.5;
+  std::optional<OdometryOptions> odometry;
   bool perfect = false;
 };
 
@@ -52,6 +55,8 @@ void VisitFields(Visitor& visit, SensorOptions& o) {
   visit("encoder_resolution", o.encoder_resolution, Between(0, 0.1),
         "rad or m, by default 12 bit per turn; 0 is continuous");
   visit("contact_threshold_n", o.contact_threshold_n, Between(0, 1000), "force that closes a foot's switch");
+  visit("odometry", o.odometry, Nested(),
+        "how wheels or legs say that the body has moved over the floor; absent: they say nothing");
   visit("perfect", o.perfect, Nested(), "no noise, bias or rounding");
 }
 
@@ -60,6 +65,9 @@ void VisitFields(Visitor& visit, SensorOptions& o) {
 /// @param rest_joints joint positions (order of Robot::joints) at which X_CI holds: the neck at rest.
 ImuCalibration CalibrateImu(const Robot& robot, const SensorOptions& options, const Pose& X_MC,
                             const std::vector<double>& rest_joints);
+
+/// The data sheet of the body's odometry; its X_BC is left at the identity.
+OdometryCalibration CalibrateOdometry(const Robot& robot, const SensorOptions& options);
 
 /// Splits a piecewise constant signal into windows of one sample period and averages it over each.
 class WindowMean {
@@ -91,7 +99,8 @@ class WindowMean {
 /// integrate to the true rotation and the accelerometer's to the true change of velocity.
 class SensorSuite {
  public:
-  /// @throws BadOption if a field is out of range or the rate exceeds one sample per physics step.
+  /// @throws BadOption if a field is out of range, a rate exceeds one sample per physics step, or odometry is asked of
+  /// what somebody carries.
   SensorSuite(const World& world, const SensorOptions& options, uint64_t seed);
 
   /// Call after each World::Step.
@@ -101,11 +110,14 @@ class SensorSuite {
   const ImuSample& imu() const { return latest_; }
   /// All samples since the last call, in time order.
   std::vector<ImuSample> TakeImu();
+  /// All samples of the wheels' odometry since the last call, in time order; none of a robot on legs.
+  std::vector<OdometrySample> TakeOdometry();
   /// Reads encoders and foot switches now, with new noise at each call.
   JointSample ReadJoints(const World& world);
 
  private:
   void AddNoise(ImuSample& sample);
+  void CheckRates() const;
 
   SensorOptions options_;
   int64_t timestep_ns_;
@@ -116,6 +128,7 @@ class SensorSuite {
   Eigen::Vector3d gyro_bias_ = Eigen::Vector3d::Zero(), accelerometer_bias_ = Eigen::Vector3d::Zero();
   ImuSample latest_;
   std::vector<ImuSample> samples_;
+  std::optional<WheelOdometry> wheels_;
 };
 
 }  // namespace gaitcam

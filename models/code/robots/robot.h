@@ -69,13 +69,16 @@ void VisitFields(Visitor& visit, ServoOptions& o) {
 }
 
 /// How an omni base follows its targets for x, y and yaw, and how it rocks on its wheels: damped oscillators, whatever
-/// it weighs. Stiffness is m (2 pi f)^2, damping 2 zeta m (2 pi f), with inertia for m where it turns.
+/// it weighs; and what its computer knows of its wheels. Stiffness is m (2 pi f)^2, damping 2 zeta m (2 pi f), with
+/// inertia for m where it turns.
 struct DriveOptions {
   using DescribedTag = void;
   double frequency_hz = 5;
   double damping_ratio = 1;
   double rocking_hz = 15;
   double rocking_damping_ratio = 0.2;
+  double wheel_radius_m = 0.05;
+  double wheel_distance_m = 0.175;
 };
 
 template <class Visitor>
@@ -84,6 +87,8 @@ void VisitFields(Visitor& visit, DriveOptions& o) {
   visit("damping_ratio", o.damping_ratio, Between(0.1, 5.0), "of following a target; 1 is critical");
   visit("rocking_hz", o.rocking_hz, Between(1.0, 60.0), "natural frequency of pitch and roll on the wheels");
   visit("rocking_damping_ratio", o.rocking_damping_ratio, Between(0.01, 5.0), "of pitch and roll");
+  visit("wheel_radius_m", o.wheel_radius_m, Between(0.005, 1.0), "of each of three omni wheels, for its odometry");
+  visit("wheel_distance_m", o.wheel_distance_m, Between(0.01, 5.0), "from the middle to where a wheel touches");
 }
 
 /// How a joint of an omni base swings while somebody carries it: with the steps, and with where the hand wanders.

@@ -122,7 +122,8 @@ sequences/NAME-truth/  what is true of it; keep it from what is being evaluated
 
 {sensors}
 - `{calibration}`: intrinsics, extrinsics, IMU noise. `{times}`: exposure per frame in ms. `exposure.csv`: also how
-  many IMU and joint samples belong to each frame. `joints.csv`: encoders (rad) and foot switches. `settings/`: the
+  many IMU and joint samples belong to each frame. `joints.csv`: encoders (rad) and foot switches. `odometry.csv` (if
+  the body has any): x, y (m) and heading (rad) by its wheels or legs. `settings/`: the
   calibration for other programs, see below.
 - Truth: `groundtruth.txt` (TUM format, pose X_WC of the left camera at mid-exposure), `frames.csv` (poses at shutter
   open and close, blur, gait phase, foot contacts, root pose), `subposes.csv` (every averaged instant), `sharp/` (one

@@ -53,8 +53,7 @@ class SensorCheck {
     report_.images = report_.frames;
     FindCopies();
     CheckOtherCameras(camera);
-    const int64_t imu_samples = CheckImu(), joint_samples = CheckJoints();
-    CheckExposures(imu_samples, joint_samples);
+    CheckExposures({CheckImu(), CheckJoints(), CheckOdometry()});
     CheckTimes();
     if (!by_ours_) return;
     CheckEpoch();
@@ -188,12 +187,29 @@ class SensorCheck {
     return int64_t(table.size());
   }
 
-  void CheckExposures(int64_t imu_samples, int64_t joint_samples) {
+  int64_t CheckOdometry() {
+    const fs::path file = folder_ / "odometry.csv";
+    if (!(calibration_ && calibration_->odometry.rate_hz > 0) && !fs::exists(file)) return -1;
+    CheckedTable table(file, ',', 4, problems_);
+    table.Stamps(false);
+    for (size_t row = 0; row < table.size(); ++row) {
+      for (const size_t column : {1, 2}) table.Number(row, column, "the body's position");
+      table.Number(row, 3, "the body's heading");
+    }
+    return table.was_read() ? int64_t(table.size()) : -1;
+  }
+
+  /// How many samples there are; -1 where there is no such table.
+  struct SampleCounts {
+    int64_t imu, joints, odometry;
+  };
+
+  void CheckExposures(const SampleCounts& samples) {
     const fs::path file = folder_ / "exposure.csv";
     if (!by_ours_ && !fs::exists(file)) return;
-    CheckedTable table(file, ',', 4, problems_);
+    CheckedTable table(file, ',', samples.odometry < 0 ? 4 : 5, problems_);
     CompareStamps(table.Stamps(false), table, StampsOf(frames_), frames_name());
-    int64_t imu = 0, joints = 0;
+    int64_t imu = 0, joints = 0, odometry = 0;
     for (size_t row = 0; row < table.size(); ++row) {
       const auto exposure_ms = table.Number(row, 1, "the exposure in ms");
       if (exposure_ms && *exposure_ms < 0) table.Fail(row, "the exposure is negative");
@@ -201,12 +217,16 @@ class SensorCheck {
       const int64_t before = imu;
       imu += table.Integer(row, 2, "the number of IMU samples").value_or(0);
       joints += table.Integer(row, 3, "the number of joint samples").value_or(0);
+      if (samples.odometry >= 0) odometry += table.Integer(row, 4, "the number of samples of odometry").value_or(0);
       CheckShare(table, row, before, imu, exposures_ms_.back());
     }
-    if (table.was_read() && imu_samples >= 0 && imu != imu_samples)
-      table.FailWhole(fmt::format("says {} IMU samples in all, but there are {}", imu, imu_samples));
-    if (table.was_read() && joint_samples >= 0 && joints != joint_samples)
-      table.FailWhole(fmt::format("says {} joint samples in all, but there are {}", joints, joint_samples));
+    const auto compare = [&](const char* what, int64_t said, int64_t there) {
+      if (table.was_read() && there >= 0 && said != there)
+        table.FailWhole(fmt::format("says {} {} in all, but there are {}", said, what, there));
+    };
+    compare("IMU samples", imu, samples.imu);
+    compare("joint samples", joints, samples.joints);
+    compare("samples of odometry", odometry, samples.odometry);
   }
 
   /// A frame's samples end when its shutter closes: at a constant time after mid-exposure, to one sample.

@@ -53,7 +53,7 @@ void VisitFields(Visitor& visit, CalibrationErrorOptions& o) {
   visit("imu_scale_pct", o.imu_scale_pct, Between(0, 20),
         "1 sigma; readings of each axis of gyroscope and accelerometer");
   visit("time_offset_ms", o.time_offset_ms, Between(0, 500),
-        "1 sigma; stamps of IMU, encoders and foot switches against the camera's");
+        "1 sigma; stamps of IMU, encoders, foot switches and odometry against the camera's");
   visit("height_pct", o.height_pct, Between(0, 30), "1 sigma; the standing camera's height over the floor");
   visit("pitch_deg", o.pitch_deg, Between(0, 30), "1 sigma; the standing camera's tilt");
   visit("encoder_deg", o.encoder_deg, Between(0, 20), "1 sigma; zero of each turning joint's encoder");

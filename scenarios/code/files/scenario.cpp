@@ -210,6 +210,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   try {
     Calibration calibration = CameraRig(scenario.camera, scenario.seed).MakeCalibration();
     calibration.imu.rate_hz = scenario.sensors.imu_rate_hz;
+    if (scenario.sensors.odometry) calibration.odometry.rate_hz = scenario.sensors.odometry->rate_hz;
     calibration.standing.emplace();  // the robot will tell; here it only matters that it can
     if (const std::optional<std::string> lack = LackInScenario(InfoOf(scenario.system), calibration)) {
       system.Fail(*lack);

@@ -102,6 +102,11 @@ Calibration Miscalibrated(Calibration calibration, const CalibrationError& error
       calibration.standing->up_C = RotX(kRadPerDeg * error.pitch_deg) * calibration.standing->up_C;
     }
   }
+  // How the camera stands over the body is known from the same measurement.
+  if (calibration.odometry.rate_hz <= 0) return calibration;
+  Pose& X_BC = calibration.odometry.X_BC;
+  X_BC.translation.z() *= 1 + 0.01 * error.height_pct;
+  if (error.pitch_deg != 0) X_BC.rotation = X_BC.rotation * Eigen::Quaterniond(RotX(-kRadPerDeg * error.pitch_deg));
   return calibration;
 }
 
@@ -146,6 +151,7 @@ void MiscalibratedSensors::Apply(Observation& observation) {
     const size_t joints = std::min(sample.position.size(), error_.encoder_deg.size());
     for (size_t i = 0; i < joints; ++i) sample.position[i] += error_.encoder_deg[i];
   }
+  for (OdometrySample& sample : observation.odometry) sample.stamp_ns += offset_ns;
   if (observation.scan) observation.scan->pan_rad += pan_zero_rad_;
 }
 

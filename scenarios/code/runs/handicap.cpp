@@ -41,9 +41,11 @@ FrameEstimate HandicappedSystem::Track(const Observation& observation) {
   Observation seen = observation;
   seen.imu.insert(seen.imu.begin(), imu_.begin(), imu_.end());
   seen.joints.insert(seen.joints.begin(), joints_.begin(), joints_.end());
+  seen.odometry.insert(seen.odometry.begin(), odometry_.begin(), odometry_.end());
   if (options_.drop_every > 0 && frame_ % options_.drop_every == 0) {
     imu_ = std::move(seen.imu);
     joints_ = std::move(seen.joints);
+    odometry_ = std::move(seen.odometry);
     FrameEstimate answer;
     answer.stamp_ns = observation.stamp_ns;
     answer.status = had_pose_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
@@ -51,6 +53,7 @@ FrameEstimate HandicappedSystem::Track(const Observation& observation) {
   }
   imu_.clear();
   joints_.clear();
+  odometry_.clear();
   FrameEstimate answer = system_->Track(seen);
   had_pose_ |= answer.pose.has_value();
   Spoil(answer, live_);

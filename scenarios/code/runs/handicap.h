@@ -46,6 +46,7 @@ class HandicappedSystem : public System {
   Spoiler live_;
   std::vector<ImuSample> imu_;  ///< Of dropped frames, not handed over yet.
   std::vector<JointSample> joints_;
+  std::vector<OdometrySample> odometry_;
 };
 
 }  // namespace gaitcam

@@ -55,6 +55,7 @@ Json JsonOf(const Calibration& c) {
   json["X_LR"] = JsonOf(c.X_LR);
   json["lens"] = {{"focal", c.lens.focal}, {"centre_px", c.lens.centre_px}, {"right_focal", c.lens.right_focal}};
   json["has_depth"] = c.has_depth;
+  if (c.has_depth) json["depth"] = {{"sigma_m", c.depth.sigma_m}, {"sigma_per_m", c.depth.sigma_per_m}};
   json["frame_rate_hz"] = c.frame_rate_hz;
   json["readout_ms"] = c.readout_ms;
   json["imu"] = {{"rate_hz", i.rate_hz},
@@ -63,6 +64,13 @@ Json JsonOf(const Calibration& c) {
                  {"accel_noise_density", i.accel_noise_density},
                  {"accel_random_walk", i.accel_random_walk},
                  {"X_CI", JsonOf(i.X_CI)}};
+  if (const OdometryCalibration& b = c.odometry; b.rate_hz > 0) {
+    json["odometry"] = {{"rate_hz", b.rate_hz},
+                        {"X_BC", JsonOf(b.X_BC)},
+                        {"position_per_sqrt_m", b.position_per_sqrt_m},
+                        {"heading_per_sqrt_m", b.heading_per_sqrt_m},
+                        {"heading_per_sqrt_rad", b.heading_per_sqrt_rad}};
+  }
   if (c.standing) {
     json["standing"] = {{"height_m", c.standing->height_m},
                         {"up_C", JsonOf(c.standing->up_C)},
@@ -125,6 +133,7 @@ Calibration CalibrationOf(const Json& json) {
   const Json& lens = json.at("lens");
   c.lens = {lens.at("focal"), lens.at("centre_px"), lens.at("right_focal")};
   c.has_depth = json.at("has_depth");
+  if (c.has_depth) c.depth = {json.at("depth").at("sigma_m"), json.at("depth").at("sigma_per_m")};
   c.frame_rate_hz = json.at("frame_rate_hz");
   c.readout_ms = json.at("readout_ms");
   const Json& imu = json.at("imu");
@@ -134,6 +143,11 @@ Calibration CalibrationOf(const Json& json) {
   c.imu.accel_noise_density = imu.at("accel_noise_density");
   c.imu.accel_random_walk = imu.at("accel_random_walk");
   c.imu.X_CI = PoseOf(imu.at("X_CI"), "X_CI");
+  if (json.contains("odometry")) {
+    const Json& body = json.at("odometry");
+    c.odometry = {body.at("rate_hz"), PoseOf(body.at("X_BC"), "X_BC"), body.at("position_per_sqrt_m"),
+                  body.at("heading_per_sqrt_m"), body.at("heading_per_sqrt_rad")};
+  }
   if (json.contains("standing")) {
     const Json& standing = json.at("standing");
     c.standing = {standing.at("height_m"), VectorOf(standing.at("up_C"), "up_C"), standing.at("height_sigma"),
@@ -383,6 +397,11 @@ std::string FrameMessage(const Observation& o, SharedFrames& frames) {
                               {"left_contact", s.left_contact},
                               {"right_contact", s.right_contact}});
   }
+  if (!o.odometry.empty()) json["odometry"] = Json::array();
+  for (const OdometrySample& s : o.odometry) {
+    const Eigen::Vector2d& p = s.X_OB.position;
+    json["odometry"].push_back({s.stamp_ns, p.x(), p.y(), s.X_OB.heading});
+  }
   if (o.scan) json["scan"] = {{"pan_rad", o.scan->pan_rad}, {"body_turn_rad", o.scan->body_turn_rad}};
   return json.dump();
 }
@@ -448,6 +467,10 @@ Observation ReadFrame(const std::string& line, const SharedFrames& frames) {
     }
     for (const Json& s : json.at("joints")) {
       o.joints.push_back({s.at("stamp_ns"), s.at("position"), s.at("left_contact"), s.at("right_contact")});
+    }
+    for (const Json& s : json.value("odometry", Json::array())) {
+      const std::vector<double> v = Numbers(s, 4, "odometry");
+      o.odometry.push_back({s.at(0).get<int64_t>(), PlanarPose({v[1], v[2]}, v[3])});
     }
     if (json.contains("scan")) {
       o.scan = ScanState{json.at("scan").at("pan_rad"), json.at("scan").at("body_turn_rad")};

@@ -6,7 +6,7 @@
 ///   us    {"event": "frame", "stamp_ns": 1700000000020000000, "exposure_ms": 20, "image": IMAGE, "right": IMAGE,
 ///          "depth": IMAGE, "imu": [[stamp_ns, wx, wy, wz, ax, ay, az], ...],
 ///          "joints": [{"stamp_ns": 0, "position": [...], "left_contact": true, "right_contact": false}, ...],
-///          "scan": {"pan_rad": 0, "body_turn_rad": 0}}
+///          "odometry": [[stamp_ns, x, y, heading], ...], "scan": {"pan_rad": 0, "body_turn_rad": 0}}
 ///   it    {"status": "tracking", "pose": [x, y, z, qx, qy, qz, qw], "covariance": [36 numbers, row by row],
 ///          "own_covariance": [36 numbers, where it is known what of it no other frame shares],
 ///          "common_errors": [[6 numbers of each error that is the same in all frames], ...],

@@ -45,6 +45,9 @@ Calibration FullCalibration() {
   calibration.readout_ms = 25.0 / 7;
   calibration.imu = {200.0 / 3, 1.7e-4 / 3, 2e-5 / 7,
                      2e-3 / 3,  3e-3 / 7,   Pose(Eigen::Quaterniond(0.3, 0.1, -0.2, 1), {0.1 / 3, 0.2 / 7, -0.3})};
+  calibration.depth = {0.001 / 3, 0.003 / 7};
+  calibration.odometry = {50.0 / 3, Pose(Eigen::Quaterniond(0.2, 0.1, -0.2, 1), {0.1 / 7, 0.2 / 3, 1}), 0.03 / 7,
+                          0.01 / 3, 0.1 / 7};
   return calibration;
 }
 
@@ -84,6 +87,8 @@ std::vector<Observation> SomeObservations(const Calibration& calibration, int co
                        {random.Normal(), 9.81, random.Normal()}});
       o.joints.push_back({o.imu.back().stamp_ns + 1, {random.Normal(), random.Normal()}, i == 0, k % 2 == 0});
     }
+    for (int i = 0; calibration.odometry.rate_hz > 0 && i < 1 + k % 3; ++i)
+      o.odometry.push_back({o.stamp_ns + (i - 1) * 5'000'000, {{random.Normal(), random.Normal()}, random.Normal()}});
     observations.push_back(o);
   }
   return observations;
@@ -119,6 +124,13 @@ void ExpectSame(const Calibration& a, const Calibration& b) {
   EXPECT_EQ(a.imu.accel_noise_density, b.imu.accel_noise_density);
   EXPECT_EQ(a.imu.accel_random_walk, b.imu.accel_random_walk);
   ExpectSame(a.imu.X_CI, b.imu.X_CI);
+  EXPECT_EQ(a.depth.sigma_m, b.depth.sigma_m);
+  EXPECT_EQ(a.depth.sigma_per_m, b.depth.sigma_per_m);
+  EXPECT_EQ(a.odometry.rate_hz, b.odometry.rate_hz);
+  ExpectSame(a.odometry.X_BC, b.odometry.X_BC);
+  EXPECT_EQ(a.odometry.position_per_sqrt_m, b.odometry.position_per_sqrt_m);
+  EXPECT_EQ(a.odometry.heading_per_sqrt_m, b.odometry.heading_per_sqrt_m);
+  EXPECT_EQ(a.odometry.heading_per_sqrt_rad, b.odometry.heading_per_sqrt_rad);
 }
 
 void ExpectSame(const Observation& a, const Observation& b) {
@@ -146,6 +158,12 @@ void ExpectSame(const Observation& a, const Observation& b) {
     EXPECT_EQ(a.joints[i].position, b.joints[i].position);
     EXPECT_EQ(a.joints[i].left_contact, b.joints[i].left_contact);
     EXPECT_EQ(a.joints[i].right_contact, b.joints[i].right_contact);
+  }
+  ASSERT_EQ(a.odometry.size(), b.odometry.size());
+  for (size_t i = 0; i < a.odometry.size(); ++i) {
+    EXPECT_EQ(a.odometry[i].stamp_ns, b.odometry[i].stamp_ns);
+    EXPECT_EQ(a.odometry[i].X_OB.position, b.odometry[i].X_OB.position);
+    EXPECT_EQ(a.odometry[i].X_OB.heading, b.odometry[i].X_OB.heading);
   }
 }
 
@@ -557,10 +575,19 @@ TEST_F(Datasets, SpoiltFilesAreNamedWithTheirLine) {
   Spoil(root / "rgb.txt", second + " ", "1403636579.763555584 ");
   EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("rgb.txt:5:"), HasSubstr("does not come after")));
   fresh();
+  Spoil(root / "odometry.csv", "#stamp_ns,x_m,y_m,heading_rad\n", "1,0,0\n");
+  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("odometry.csv:2: has 3 fields"), HasSubstr("heading in rad")));
+  fresh();
+  Spoil(root / "odometry.csv", "#stamp_ns,x_m,y_m,heading_rad\n", "1,0,east,0\n");
+  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("odometry.csv:2: \"east\""), HasSubstr("y in m")));
+  fresh();
+  fs::remove(root / "odometry.csv");
+  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("exposure.csv:2:"), HasSubstr("no odometry.csv")));
+  fresh();
   Spoil(root / "exposure.csv", "1403636579796888917,", "1403636579796888918,");
   EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("exposure.csv:3:"), HasSubstr("1403636579796888917")));
   fresh();
-  Spoil(root / "exposure.csv", ",3,3\n", ",1000,3\n");
+  Spoil(root / "exposure.csv", ",3,3,", ",1000,3,");
   EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("imu.csv:"), HasSubstr("the table ends")));
   fresh();
   Spoil(root / "imu.csv", ",9.81", ",fast");

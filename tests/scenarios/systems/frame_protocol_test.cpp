@@ -22,6 +22,8 @@ Calibration Rig() {
   c.imu.rate_hz = 250;
   c.imu.gyro_noise_density = 1.7e-4;
   c.imu.X_CI.translation = {1e-12, -0.1, 2};
+  c.depth = {0.001 / 3, 0.003 / 7};
+  c.odometry = {50, Pose(Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), {0.1, 1.0 / 3, 1}), 0.03, 0.01 / 3, 0.1};
   c.standing = StandingCamera{0.31243588873125338, Eigen::Vector3d(0.1, -0.9, -0.3).normalized()};
   return c;
 }
@@ -40,6 +42,7 @@ Observation Frame() {
   o.depth = image(CV_32FC1);
   o.imu = {{o.stamp_ns - 4, {0.1, -1.0 / 3, 1e-9}, {0, 9.81, 0.5}}, {o.stamp_ns, {0, 0, 0}, {1, 2, 3}}};
   o.joints = {{o.stamp_ns - 1, {0.25, -1.0 / 7}, true, false}};
+  o.odometry = {{o.stamp_ns - 2, {{0.5, -1.0 / 3}, 1e-9}}, {o.stamp_ns + 5, {{0.5, 1.0 / 3}, 7}}};
   o.scan = ScanState{0.5, -0.25};
   return o;
 }
@@ -70,6 +73,10 @@ TEST(FrameProtocol, AFrameArrivesToTheBit) {
   ASSERT_EQ(read.joints.size(), 1u);
   EXPECT_EQ(read.joints[0].position, sent.joints[0].position);
   EXPECT_TRUE(read.joints[0].left_contact);
+  ASSERT_EQ(read.odometry.size(), 2u);
+  EXPECT_EQ(read.odometry[0].X_OB.position, sent.odometry[0].X_OB.position);
+  EXPECT_EQ(read.odometry[1].stamp_ns, sent.odometry[1].stamp_ns);
+  EXPECT_EQ(read.odometry[1].X_OB.heading, sent.odometry[1].X_OB.heading);
   EXPECT_EQ(read.scan->body_turn_rad, -0.25);
 }
 
@@ -102,6 +109,15 @@ TEST(FrameProtocol, TheStartTellsCalibrationSeedAndSettings) {
   EXPECT_EQ(read.calibration.X_LR.translation, sent.calibration.X_LR.translation);
   EXPECT_EQ(read.calibration.X_LR.rotation.coeffs(), sent.calibration.X_LR.rotation.coeffs());
   EXPECT_EQ(read.calibration.imu.X_CI.translation, sent.calibration.imu.X_CI.translation);
+  EXPECT_EQ(read.calibration.depth.sigma_m, sent.calibration.depth.sigma_m);
+  EXPECT_EQ(read.calibration.depth.sigma_per_m, sent.calibration.depth.sigma_per_m);
+  const OdometryCalibration &odometry = read.calibration.odometry, &expected = sent.calibration.odometry;
+  EXPECT_EQ(odometry.rate_hz, expected.rate_hz);
+  EXPECT_EQ(odometry.X_BC.translation, expected.X_BC.translation);
+  EXPECT_EQ(odometry.X_BC.rotation.coeffs(), expected.X_BC.rotation.coeffs());
+  EXPECT_EQ(odometry.position_per_sqrt_m, expected.position_per_sqrt_m);
+  EXPECT_EQ(odometry.heading_per_sqrt_m, expected.heading_per_sqrt_m);
+  EXPECT_EQ(odometry.heading_per_sqrt_rad, expected.heading_per_sqrt_rad);
   EXPECT_EQ(read.calibration.standing->up_C, sent.calibration.standing->up_C);
   EXPECT_EQ(read.calibration.standing->height_sigma, sent.calibration.standing->height_sigma);
   EXPECT_EQ(read.calibration.standing->pitch_sigma, sent.calibration.standing->pitch_sigma);
