@@ -76,13 +76,20 @@ FrameEstimate HybridSlam::Track(const Observation& observation) {
 std::optional<HybridSlam::Stand> HybridSlam::Locate(const MetricModel& seen, FrameEstimate& answer) {
   if (graph_.nodes.empty()) return std::nullopt;
   std::optional<Stand> stand;
-  if (!models_.empty()) stand = LinkWith(int(models_.size()) - 1, seen, &answer.matches);
+  if (const int model = LastVisibleModel(); model >= 0) stand = LinkWith(model, seen, &answer.matches);
   const bool lost = !last_stands_ || *last_stands_ + 1 != frames_.size();
   if (!stand && !lost) stand = ChainWithFrameBefore(seen);
   if (!stand) stand = DeadReckon(answer.stamp_ns);
   if (!stand && lost) stand = Relocalise(seen);
   if (stand) answer.inliers = stand->inliers;
   return stand;
+}
+
+/// The last one with enough features to be linked with, or -1.
+int HybridSlam::LastVisibleModel() const {
+  int model = int(models_.size()) - 1;
+  while (model >= 0 && int(models_[size_t(model)].p_C.size()) < options_.links.min_inliers) --model;
+  return model;
 }
 
 /// R_x of M_x and a model before it.
@@ -166,25 +173,46 @@ void HybridSlam::Settle(const RobustView& view) {
   if (waiting_.empty() || waiting_.front().stamp_ns != view.stamp_ns) return;
   models_.push_back(MakeMetricModel(view.features, waiting_.front().depth, calibration_, options_.models));
   waiting_.pop_front();
+  const int model = int(models_.size()) - 1;
   search_.Add(models_.back().features.descriptors);
-  CloseLoops(int(models_.size()) - 1);
+  const std::vector<GraphLink> loops = FindLoops(model);
+  graph_.links.insert(graph_.links.end(), loops.begin(), loops.end());
+  if (options_.correction == LoopCorrection::kGraph) {
+    LinkFartherBack(model);
+    CorrectByGraph(model);
+  } else if (!loops.empty()) {
+    CorrectBySemiConsensus(model, loops);
+  }
+}
+
+/// Only where both links agree: who walks by in front of both views is no measurement.
+void HybridSlam::LinkFartherBack(int model) {
+  constexpr double kChi2 = 22.46;  // 99.9 % of six degrees of freedom
+  Pose X_FT;
+  Matrix6d covariance = Matrix6d::Zero();
+  for (int from = model - 1; from >= 0 && from >= model - 1 - options_.links_back; --from) {
+    const auto along = std::find_if(graph_.links.rbegin(), graph_.links.rend(), [&](const GraphLink& link) {
+      return !link.loop && link.from == from && link.to == from + 1;
+    });
+    if (along == graph_.links.rend()) return;
+    covariance = CovarianceOfProduct(X_FT, along->covariance, covariance);
+    X_FT = along->X_FT * X_FT;
+    if (from == model - 1) continue;
+    const auto link = LinkModels(models_[size_t(from)], models_[size_t(model)], options_.links, random_);
+    if (!link || InnovationChi2(X_FT, covariance, link->X_FT, link->covariance) > kChi2) continue;
+    graph_.links.push_back({from, model, link->X_FT, link->covariance, false, 1, false});
+  }
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
 // Loops.
 
-void HybridSlam::CloseLoops(int model) {
+std::vector<GraphLink> HybridSlam::FindLoops(int model) {
   std::vector<GraphLink> loops;
   for (const std::vector<int>& pass : search_.BestOfEachPass(models_[size_t(model)].features.descriptors)) {
     if (const auto loop = BestLinkWithPass(model, pass)) loops.push_back(*loop);
   }
-  if (loops.empty()) return;
-  graph_.links.insert(graph_.links.end(), loops.begin(), loops.end());
-  if (options_.correction == LoopCorrection::kSemiConsensus) return CorrectBySemiConsensus(model, loops);
-  SolvePoseGraph(graph_);
-  const PoseGraphCovariances covariances(graph_);
-  for (size_t node = size_t(model); node < graph_.nodes.size(); ++node)
-    graph_.nodes[node].covariance = covariances.Of(int(node));
+  return loops;
 }
 
 /// beta_i: "by comparing the 3 output RANSAC modeling results", that of the most inliers.
@@ -198,6 +226,13 @@ std::optional<GraphLink> HybridSlam::BestLinkWithPass(int model, const std::vect
     best = GraphLink{earlier, model, link->X_FT, link->covariance, true, 1, false};
   }
   return best;
+}
+
+void HybridSlam::CorrectByGraph(int model) {
+  SolvePoseGraph(graph_);
+  const PoseGraphCovariances covariances(graph_);
+  for (size_t node = size_t(model); node < graph_.nodes.size(); ++node)
+    graph_.nodes[node].covariance = covariances.Of(int(node));
 }
 
 void HybridSlam::CorrectBySemiConsensus(int model, const std::vector<GraphLink>& loops) {

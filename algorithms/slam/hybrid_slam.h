@@ -11,7 +11,8 @@
 ///    lost; frames after it are linked with the last model or with the models that score best among all.
 /// 3. Where a new model meets an earlier pass (hybrid_loops.h), the best of three rigid motions is a loop closure.
 /// 4. Loops correct the route either by the text's semi-consensus (Eqs. 6.2 to 6.4, semi_consensus.h), or as links of a
-///    pose graph in which false loops lose their trust (ours).
+///    pose graph in which false loops lose their trust (ours). There a new model is also linked with those before the
+///    last one, as far as these links agree with the route.
 ///
 /// What the text leaves open, and what is done: a frame is matched with all its features, models alone have robust
 /// ones: what moves is in no model, so it matches nothing. Robust features of both directions need the next frame, so
@@ -69,6 +70,7 @@ struct HybridSlamOptions {
   int interval = 2;
   double model_m = 0.1;
   double model_deg = 5;
+  int links_back = 2;
   MatchFilterKind loop_filter = MatchFilterKind::kConsensus;
   int loop_inliers = 15;
   LoopCorrection correction = LoopCorrection::kGraph;
@@ -89,6 +91,7 @@ void VisitFields(Visitor& visit, HybridSlamOptions& o) {
   visit("interval", o.interval, Between(1, 10000), "frames from one model to the next, at least ...");
   visit("model_m", o.model_m, Between(0, 100), "... if the camera has moved by this ...");
   visit("model_deg", o.model_deg, Between(0, 180), "... or has turned by this");
+  visit("links_back", o.links_back, Between(0, 100), "graph: models before the last one that a new one is linked with");
   visit("loop_filter", o.loop_filter, EnumWords<MatchFilterKind>(), "which matches vote for a loop");
   visit("loop_inliers", o.loop_inliers, Between(6, 100000), "points that must agree with a loop's motion");
   visit("correction", o.correction, EnumWords<LoopCorrection>(), "how loops correct the route");
@@ -137,9 +140,12 @@ class HybridSlam {
 
   bool BecomesModel(const std::optional<Stand>& stand) const;
   Stand AddNode(int64_t stamp_ns, const std::optional<Stand>& stand);
+  int LastVisibleModel() const;
   void Settle(const RobustView& view);
-  void CloseLoops(int model);
+  void LinkFartherBack(int model);
+  std::vector<GraphLink> FindLoops(int model);
   std::optional<GraphLink> BestLinkWithPass(int model, const std::vector<int>& pass);
+  void CorrectByGraph(int model);
   void CorrectBySemiConsensus(int model, const std::vector<GraphLink>& loops);
   FrameEstimate AnswerOf(const Frame& frame) const;
 
