@@ -42,12 +42,11 @@ FrameEstimate HybridSlam::Track(const Observation& observation) {
   body_.Add(observation.odometry);
   const int64_t stamp_ns = observation.stamp_ns;
   const cv::Mat& image = observation.image.pixels;
-  Features features = ViewFrame(image, calibration_.camera, *detector_, options_.max_features, {}).features;
-  const MetricModel seen = MakeMetricModel(features, observation.depth->pixels, calibration_, options_.models);
+  const MetricModel seen = SeenIn(observation);
   Frame frame;
   frame.answer.stamp_ns = stamp_ns;
-  frame.answer.features = features.size();
-  std::vector<RobustView> ready = robust_.Add(stamp_ns, {image.size(), std::move(features)});
+  frame.answer.features = seen.features.size();
+  const std::vector<RobustView> ready = robust_.Add(stamp_ns, {image.size(), seen.features});
   const auto settle = [&] {
     for (const RobustView& view : ready) Settle(view);
   };
@@ -62,7 +61,8 @@ FrameEstimate HybridSlam::Track(const Observation& observation) {
   }
   if (frame.stand) {
     last_stands_ = frames_.size();
-    body_.Forget(stamp_ns);
+    const int model = LastVisibleModel();
+    body_.Forget(model < 0 ? 0 : std::min(stamp_ns, graph_.nodes[size_t(model)].stamp_ns));
     ++graph_.candidates;
   }
   last_seen_ = seen;
@@ -73,12 +73,30 @@ FrameEstimate HybridSlam::Track(const Observation& observation) {
 // ---------------------------------------------------------------------------------------------------------------------
 // A frame against the models.
 
+/// Features without a depth make no model: the strongest are taken of those that have one.
+MetricModel HybridSlam::SeenIn(const Observation& observation) const {
+  constexpr int kDetected = 4;  // times as many
+  const Features features =
+      ViewFrame(observation.image.pixels, calibration_.camera, *detector_, kDetected * options_.max_features, {})
+          .features;
+  MetricModel seen = MakeMetricModel(features, observation.depth->pixels, calibration_, options_.models);
+  const size_t kept = size_t(options_.max_features);
+  if (seen.p_C.size() <= kept) return seen;
+  seen.p_C.resize(kept);
+  seen.covariance.resize(kept);
+  seen.features.keypoints.resize(kept);
+  seen.features.descriptors = seen.features.descriptors.rowRange(0, int(kept));
+  return seen;
+}
+
 std::optional<HybridSlam::Stand> HybridSlam::Locate(const MetricModel& seen, FrameEstimate& answer) {
   if (graph_.nodes.empty()) return std::nullopt;
   std::optional<Stand> stand;
   if (const int model = LastVisibleModel(); model >= 0) stand = LinkWith(model, seen, &answer.matches);
+  if (stand) stand = WithWheels(*stand, answer.stamp_ns);
   const bool lost = !last_stands_ || *last_stands_ + 1 != frames_.size();
   if (!stand && !lost) stand = ChainWithFrameBefore(seen);
+  if (stand && stand->chained) stand = WithWheels(*stand, answer.stamp_ns);
   if (!stand) stand = DeadReckon(answer.stamp_ns);
   if (!stand && lost) stand = Relocalise(seen);
   if (stand) answer.inliers = stand->inliers;
@@ -116,7 +134,21 @@ std::optional<HybridSlam::Stand> HybridSlam::DeadReckon(int64_t stamp_ns) const 
   if (!moved) return std::nullopt;
   std::optional<Stand> stand = From(last, moved->X_FT, moved->covariance);
   stand->dead_reckoned = true;
+  stand->chained = false;
   return stand;
+}
+
+/// The same stand as both have it; nothing if the wheels contradict what was seen.
+std::optional<HybridSlam::Stand> HybridSlam::WithWheels(const Stand& seen, int64_t stamp_ns) const {
+  constexpr double kChi2 = 22.46;  // 99.9 % of six degrees of freedom
+  const auto moved = body_.Between(graph_.nodes[size_t(seen.model)].stamp_ns, stamp_ns);
+  if (!moved || !options_.wheels_always) return seen;
+  if (InnovationChi2(moved->X_FT, moved->covariance, seen.X_MC, seen.covariance) > kChi2) return std::nullopt;
+  if (seen.chained) return seen;  // they count in the frame before
+  Stand both = seen;
+  both.X_MC = MahalanobisMean({{seen.X_MC, seen.covariance}, {moved->X_FT, moved->covariance}});
+  both.covariance = (seen.covariance.inverse() + moved->covariance.inverse()).inverse();
+  return both;
 }
 
 /// By the models that score best, wherever they are.
@@ -146,7 +178,7 @@ std::optional<HybridSlam::Stand> HybridSlam::From(const Frame& frame, const Pose
 
 bool HybridSlam::BecomesModel(const std::optional<Stand>& stand) const {
   if (!stand) return false;
-  if (stand->chained && !stand->dead_reckoned && waiting_.empty()) return true;  // the last model is out of sight
+  if (stand->chained && waiting_.empty()) return true;  // the last model is out of sight
   if (frames_since_model_ < options_.interval) return false;
   const Pose X_LC = graph_.nodes.back().X_WC.Inverse() * graph_.nodes[size_t(stand->model)].X_WC * stand->X_MC;
   return X_LC.translation.norm() >= options_.model_m ||

@@ -14,6 +14,9 @@
 ///    pose graph in which false loops lose their trust (ours). There a new model is also linked with those before the
 ///    last one, as far as these links agree with the route.
 ///
+/// Ours, too: where the camera measures, the wheels count as well (`wheels_always`), each by its covariance; a motion
+/// that they contradict is not that of the floor, and no measurement.
+///
 /// What the text leaves open, and what is done: a frame is matched with all its features, models alone have robust
 /// ones: what moves is in no model, so it matches nothing. Robust features of both directions need the next frame, so
 /// that a model may be linked with from the frame after its own on; live answers need no later frame.
@@ -59,7 +62,7 @@ struct HybridSlamOptions {
   using DescribedTag = void;
 
   std::string feature = "surf";
-  double sensitivity = 4;
+  double sensitivity = 5;
   int max_features = 500;
   // The fields of these are fields of these options.
   RobustViewOptions robust;
@@ -67,6 +70,7 @@ struct HybridSlamOptions {
   ModelLinkOptions links;
   PassSearchOptions search;
 
+  bool wheels_always = true;
   int interval = 2;
   double model_m = 0.1;
   double model_deg = 5;
@@ -83,11 +87,13 @@ template <class Visitor>
 void VisitFields(Visitor& visit, HybridSlamOptions& o) {
   visit("feature", o.feature, FeatureNames(), "detector and descriptor");
   visit("sensitivity", o.sensitivity, Between(0.01, 1000.0), "the detector's threshold is divided by this");
-  visit("max_features", o.max_features, Between(10, 100000), "strongest features kept per frame");
+  visit("max_features", o.max_features, Between(10, 100000), "strongest features with a depth that are kept per frame");
   VisitFields(visit, o.robust);
   VisitFields(visit, o.models);
   VisitFields(visit, o.links);
   VisitFields(visit, o.search);
+  visit("wheels_always", o.wheels_always, Nested(),
+        "wheels also count where the camera measures, each by its covariance, and must not contradict it");
   visit("interval", o.interval, Between(1, 10000), "frames from one model to the next, at least ...");
   visit("model_m", o.model_m, Between(0, 100), "... if the camera has moved by this ...");
   visit("model_deg", o.model_deg, Between(0, 180), "... or has turned by this");
@@ -131,7 +137,9 @@ class HybridSlam {
   };
 
   void CheckFrame(const Observation& observation) const;
+  MetricModel SeenIn(const Observation& observation) const;
   std::optional<Stand> Locate(const MetricModel& seen, FrameEstimate& answer);
+  std::optional<Stand> WithWheels(const Stand& seen, int64_t stamp_ns) const;
   std::optional<Stand> LinkWith(int model, const MetricModel& seen, int* matches = nullptr);
   std::optional<Stand> ChainWithFrameBefore(const MetricModel& seen);
   std::optional<Stand> DeadReckon(int64_t stamp_ns) const;
