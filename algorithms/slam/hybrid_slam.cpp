@@ -1,6 +1,7 @@
 #include "algorithms/slam/hybrid_slam.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "algorithms/core/errors.h"
@@ -92,14 +93,14 @@ MetricModel HybridSlam::SeenIn(const Observation& observation) const {
 std::optional<HybridSlam::Stand> HybridSlam::Locate(const MetricModel& seen, FrameEstimate& answer) {
   if (graph_.nodes.empty()) return std::nullopt;
   std::optional<Stand> stand;
-  if (const int model = LastVisibleModel(); model >= 0) stand = LinkWith(model, seen, &answer.matches);
+  if (const int model = LastVisibleModel(); model >= 0) stand = LinkWith(model, seen);
   if (stand) stand = WithWheels(*stand, answer.stamp_ns);
   const bool lost = !last_stands_ || *last_stands_ + 1 != frames_.size();
   if (!stand && !lost) stand = ChainWithFrameBefore(seen);
   if (stand && stand->chained) stand = WithWheels(*stand, answer.stamp_ns);
   if (!stand) stand = DeadReckon(answer.stamp_ns);
   if (!stand && lost) stand = Relocalise(seen);
-  if (stand) answer.inliers = stand->inliers;
+  if (stand) std::tie(answer.inliers, answer.matches) = std::pair(stand->inliers, stand->matches);
   return stand;
 }
 
@@ -111,10 +112,10 @@ int HybridSlam::LastVisibleModel() const {
 }
 
 /// R_x of M_x and a model before it.
-std::optional<HybridSlam::Stand> HybridSlam::LinkWith(int model, const MetricModel& seen, int* matches) {
-  const auto link = LinkModels(models_[size_t(model)], seen, options_.links, random_, matches);
+std::optional<HybridSlam::Stand> HybridSlam::LinkWith(int model, const MetricModel& seen) {
+  const auto link = LinkModels(models_[size_t(model)], seen, options_.links, random_);
   if (!link) return std::nullopt;
-  return Stand{model, link->X_FT, link->covariance, false, false, link->inliers};
+  return Stand{model, link->X_FT, link->covariance, false, false, link->inliers, link->matches};
 }
 
 std::optional<HybridSlam::Stand> HybridSlam::ChainWithFrameBefore(const MetricModel& seen) {
@@ -123,6 +124,7 @@ std::optional<HybridSlam::Stand> HybridSlam::ChainWithFrameBefore(const MetricMo
   std::optional<Stand> stand = From(frames_.back(), link->X_FT, link->covariance);
   stand->chained = true;
   stand->inliers = link->inliers;
+  stand->matches = link->matches;
   return stand;
 }
 
@@ -169,7 +171,7 @@ std::optional<HybridSlam::Stand> HybridSlam::From(const Frame& frame, const Pose
   Stand stand = *frame.stand;
   stand.X_MC = stand.X_MC * X_FT;
   stand.covariance = CovarianceOfProduct(X_FT, stand.covariance, covariance);
-  stand.inliers = 0;
+  stand.inliers = stand.matches = 0;
   return stand;
 }
 
@@ -190,7 +192,7 @@ HybridSlam::Stand HybridSlam::AddNode(int64_t stamp_ns, const std::optional<Stan
   const int node = int(graph_.nodes.size());
   frames_since_model_ = 0;
   graph_.nodes.push_back({stamp_ns, {}, Matrix6d::Zero()});
-  Stand own{node, {}, Matrix6d::Zero(), false, false, 0};
+  Stand own{node, {}, Matrix6d::Zero(), false, false, 0, 0};
   if (!stand) return own;
   const GraphNode& from = graph_.nodes[size_t(stand->model)];
   graph_.nodes.back().X_WC = from.X_WC * stand->X_MC;
@@ -207,7 +209,8 @@ void HybridSlam::Settle(const RobustView& view) {
   waiting_.pop_front();
   const int model = int(models_.size()) - 1;
   search_.Add(models_.back().features.descriptors);
-  const std::vector<GraphLink> loops = FindLoops(model);
+  std::vector<GraphLink> loops = FindLoops(model);
+  if (options_.correction == LoopCorrection::kGraph && !loops.empty()) DropImplausible(loops);
   graph_.links.insert(graph_.links.end(), loops.begin(), loops.end());
   if (options_.correction == LoopCorrection::kGraph) {
     LinkFartherBack(model);
@@ -245,6 +248,16 @@ std::vector<GraphLink> HybridSlam::FindLoops(int model) {
     if (const auto loop = BestLinkWithPass(model, pass)) loops.push_back(*loop);
   }
   return loops;
+}
+
+/// Posters hang in many places. Without these the graph is solved in a fraction of the time.
+void HybridSlam::DropImplausible(std::vector<GraphLink>& loops) const {
+  const PoseGraphCovariances covariances(graph_);
+  std::erase_if(loops, [&](const GraphLink& loop) {
+    const Pose X_FT = graph_.nodes[size_t(loop.from)].X_WC.Inverse() * graph_.nodes[size_t(loop.to)].X_WC;
+    const Matrix6d expected = covariances.Between(loop.from, loop.to);
+    return InnovationChi2(X_FT, expected, loop.X_FT, loop.covariance) > options_.loop_gate;
+  });
 }
 
 /// beta_i: "by comparing the 3 output RANSAC modeling results", that of the most inliers.

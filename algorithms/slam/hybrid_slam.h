@@ -12,7 +12,7 @@
 /// 3. Where a new model meets an earlier pass (hybrid_loops.h), the best of three rigid motions is a loop closure.
 /// 4. Loops correct the route either by the text's semi-consensus (Eqs. 6.2 to 6.4, semi_consensus.h), or as links of a
 ///    pose graph in which false loops lose their trust (ours). There a new model is also linked with those before the
-///    last one, as far as these links agree with the route.
+///    last one, as far as these links agree with the route, and a loop that is far from what the graph expects is none.
 ///
 /// Ours, too: where the camera measures, the wheels count as well (`wheels_always`), each by its covariance; a motion
 /// that they contradict is not that of the floor, and no measurement.
@@ -78,6 +78,7 @@ struct HybridSlamOptions {
   MatchFilterKind loop_filter = MatchFilterKind::kConsensus;
   int loop_inliers = 15;
   LoopCorrection correction = LoopCorrection::kGraph;
+  double loop_gate = 50;
   double alpha = 0.8;
 
   HybridSlamOptions();
@@ -101,6 +102,7 @@ void VisitFields(Visitor& visit, HybridSlamOptions& o) {
   visit("loop_filter", o.loop_filter, EnumWords<MatchFilterKind>(), "which matches vote for a loop");
   visit("loop_inliers", o.loop_inliers, Between(6, 100000), "points that must agree with a loop's motion");
   visit("correction", o.correction, EnumWords<LoopCorrection>(), "how loops correct the route");
+  visit("loop_gate", o.loop_gate, Between(1, 1e9), "graph: largest squared Mahalanobis length of a loop's innovation");
   visit("alpha", o.alpha, Between(0, 1), "semi_consensus: part of a loop's difference that is corrected");
 }
 
@@ -124,7 +126,7 @@ class HybridSlam {
     Matrix6d covariance = Matrix6d::Zero();
     bool dead_reckoned = false;
     bool chained = false;  ///< By way of the frame before, not by a link of its own with the model.
-    int inliers = 0;
+    int inliers = 0, matches = 0;
   };
   struct Frame {
     FrameEstimate answer;  ///< But for its pose.
@@ -140,7 +142,7 @@ class HybridSlam {
   MetricModel SeenIn(const Observation& observation) const;
   std::optional<Stand> Locate(const MetricModel& seen, FrameEstimate& answer);
   std::optional<Stand> WithWheels(const Stand& seen, int64_t stamp_ns) const;
-  std::optional<Stand> LinkWith(int model, const MetricModel& seen, int* matches = nullptr);
+  std::optional<Stand> LinkWith(int model, const MetricModel& seen);
   std::optional<Stand> ChainWithFrameBefore(const MetricModel& seen);
   std::optional<Stand> DeadReckon(int64_t stamp_ns) const;
   std::optional<Stand> Relocalise(const MetricModel& seen);
@@ -153,6 +155,7 @@ class HybridSlam {
   void LinkFartherBack(int model);
   std::vector<GraphLink> FindLoops(int model);
   std::optional<GraphLink> BestLinkWithPass(int model, const std::vector<int>& pass);
+  void DropImplausible(std::vector<GraphLink>& loops) const;
   void CorrectByGraph(int model);
   void CorrectBySemiConsensus(int model, const std::vector<GraphLink>& loops);
   FrameEstimate AnswerOf(const Frame& frame) const;

@@ -45,13 +45,12 @@ MetricModel MakeMetricModel(const Features& features, const cv::Mat& depth, cons
 }
 
 std::optional<ModelLink> LinkModels(const MetricModel& from, const MetricModel& to, const ModelLinkOptions& options,
-                                    RandomStream& random, int* matches) {
+                                    RandomStream& random) {
   MatchingOptions matching;
   matching.ratio = options.ratio;
   const std::vector<Match> matched =
       FilterMatches(MatchDescriptors(from.features.descriptors, to.features.descriptors, matching), from.features,
                     to.features, options.filter, random);
-  if (matches) *matches = int(matched.size());
   if (int(matched.size()) < options.min_inliers) return std::nullopt;
   RigidMotionOptions motion;
   motion.method = options.method;

@@ -79,9 +79,8 @@ struct ModelLink {
   int inliers = 0, matches = 0;
 };
 
-/// By descriptors, the filter of matches, and RANSAC. @param matches if not null, their number also where no motion is
-/// found.
+/// By descriptors, the filter of matches, and RANSAC.
 std::optional<ModelLink> LinkModels(const MetricModel& from, const MetricModel& to, const ModelLinkOptions& options,
-                                    RandomStream& random, int* matches = nullptr);
+                                    RandomStream& random);
 
 }  // namespace gaitcam
