@@ -23,6 +23,7 @@ struct GraphLink {
   Matrix6d covariance = Matrix6d::Identity();  ///< Of X_FT.
   bool loop = false;                           ///< A loop closure: another place may have been mistaken for this one.
   double trust = 1;                            ///< Share of its information that was used; near 0 it was found false.
+  bool dead_reckoned = false;                  ///< By the body's odometry alone: the camera measured nothing.
 };
 
 struct PoseGraph {

@@ -10,6 +10,7 @@
 #include "algorithms/odometry/two_view_vo.h"
 #include "algorithms/slam/appearance_slam.h"
 #include "algorithms/slam/floor_slam.h"
+#include "algorithms/slam/hybrid_slam.h"
 #include "algorithms/slam/pose_slam.h"
 #include "algorithms/slam/settings.h"
 #include "algorithms/slam/topo_slam.h"
@@ -110,10 +111,12 @@ class FloorSlamSystem : public System {
   FloorSlam slam_;
 };
 
-class PoseSlamSystem : public System {
+/// A SLAM whose map is a pose graph, and whose options say what it is.
+template <class Slam, class Options>
+class PoseGraphSystem : public System {
  public:
-  explicit PoseSlamSystem(const SystemSetup& setup)
-      : slam_(setup.calibration, OptionsFrom<PoseSlamOptions>(setup.settings, "pose_slam"), setup.seed) {}
+  PoseGraphSystem(const SystemSetup& setup, const std::string& name)
+      : slam_(setup.calibration, OptionsFrom<Options>(setup.settings, name), setup.seed) {}
   FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
   FinalEstimate Finish() override {
     FinalEstimate answer;
@@ -123,8 +126,14 @@ class PoseSlamSystem : public System {
   }
 
  private:
-  PoseSlam slam_;
+  Slam slam_;
 };
+
+template <class Slam, class Options>
+Entry PoseGraphEntry(const std::string& name, const std::string& description, SensorNeed need) {
+  return {{name, description, ListFields(Options()), {need}, false},
+          [name](const SystemSetup& setup) { return std::make_unique<PoseGraphSystem<Slam, Options>>(setup, name); }};
+}
 
 class TopoSlamSystem : public System {
  public:
@@ -198,12 +207,12 @@ std::vector<Entry> MakeEntries() {
           "pirf_nav", "a map of views that learns its words as it walks, and knows places by them (PIRF-nav 2.0)"),
       AppearanceEntry<IcgmSlamOptions>(
           "icgm_slam", "pirf_nav's map with features and loops that the geometry of crowds bears out (Hua 4.2)"),
-      {{"pose_slam",
-        "the odometry of stereo_vo, and a graph of its keyframes with loop closures and covariances",
-        ListFields(PoseSlamOptions()),
-        {SensorNeed::kStereo},
-        false},
-       [](const SystemSetup& setup) { return std::make_unique<PoseSlamSystem>(setup); }},
+      PoseGraphEntry<HybridSlam, HybridSlamOptions>(
+          "hybrid_slam", "depth camera and wheels among people: linked views in space, loops by appearance (Hua 6.1)",
+          SensorNeed::kDepth),
+      PoseGraphEntry<PoseSlam, PoseSlamOptions>(
+          "pose_slam", "the odometry of stereo_vo, and a graph of its keyframes with loop closures and covariances",
+          SensorNeed::kStereo),
       {{"topo_slam",
         "a map of places seen all around, 170 bytes each; the robot scans as it asks (thesis, chapter 4)",
         ListFields(TopoSlamOptions()),

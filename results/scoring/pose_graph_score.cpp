@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "algorithms/core/units.h"
 
@@ -31,6 +32,16 @@ double PartKept(const PoseGraph& graph) {
   return graph.candidates > 0 ? double(graph.nodes.size()) / graph.candidates : kNaN;
 }
 
+/// Of the first link that leads to each node.
+double PartSeen(const PoseGraph& graph) {
+  std::map<int, bool> seen;
+  for (const GraphLink& link : graph.links) {
+    if (!link.loop) seen.emplace(link.to, !link.dead_reckoned);
+  }
+  const auto count = std::count_if(seen.begin(), seen.end(), [](const auto& node) { return node.second; });
+  return seen.empty() ? kNaN : double(count) / double(seen.size());
+}
+
 }  // namespace
 
 PoseGraphComparison ComparePoseGraph(const PoseGraph& graph, const Trajectory& truth,
@@ -50,6 +61,9 @@ std::vector<Metric<PoseGraphEvidence>> PoseGraphMetrics() {
            [](const auto& e) { return double(e.graph.nodes.size()); }, true},
           {"graph_nodes_ratio", "", Better::kLower, kGroup, "part of the keyframes that the graph keeps",
            [](const auto& e) { return PartKept(e.graph); }},
+          {"graph_links_seen_ratio", "", Better::kHigher, kGroup,
+           "part of the nodes that the camera measured the way to; to the others the body's odometry leads",
+           [](const auto& e) { return PartSeen(e.graph); }},
           {"graph_loops", "", Better::kNeither, kGroup, "loops that the graph keeps and trusts",
            [](const auto& e) { return Count(e.loops, true, true) + Count(e.loops, false, true); }, true},
           {"graph_loops_false", "", Better::kLower, kGroup, "of those, false: off by more than 0.1 m or 5 deg",

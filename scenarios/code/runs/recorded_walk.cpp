@@ -1,7 +1,6 @@
 #include "scenarios/code/runs/recorded_walk.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "algorithms/core/errors.h"
@@ -96,23 +95,6 @@ RecordedWalk ReadRecordedWalk(const DatasetFolders& folders) {
 cv::Mat ReadTrueDepth(const RecordedWalk& walk, const RecordedFrame& frame) {
   const fs::path exact = walk.folders.truth / "depth_exact" / (std::to_string(frame.stamp_ns) + ".tiff");
   return fs::exists(exact) ? ReadDepthTiff(exact, "") : ReadDepthPng(frame.depth, "");
-}
-
-std::optional<double> DepthAt(const cv::Mat& depth, const Eigen::Vector2d& pixel) {
-  const int x = int(std::floor(pixel.x())), y = int(std::floor(pixel.y()));
-  if (x < 0 || y < 0 || x + 1 >= depth.cols || y + 1 >= depth.rows) return std::nullopt;
-  const double a = pixel.x() - x, b = pixel.y() - y;
-  double inverse = 0, nearest = HUGE_VAL, farthest = 0;
-  for (const auto& [dx, dy, w] : {std::tuple{0, 0, (1 - a) * (1 - b)}, std::tuple{1, 0, a * (1 - b)},
-                                  std::tuple{0, 1, (1 - a) * b}, std::tuple{1, 1, a * b}}) {
-    const double z = double(depth.at<float>(y + dy, x + dx));
-    if (!(z > 0)) return std::nullopt;
-    inverse += w / z;
-    nearest = std::min(nearest, z);
-    farthest = std::max(farthest, z);
-  }
-  if (farthest > 1.05 * nearest) return std::nullopt;
-  return 1 / inverse;
 }
 
 BlurSummary SummariseBlur(const RecordedWalk& walk) {

@@ -4,12 +4,12 @@
 
 #include <filesystem>
 #include <opencv2/core.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/frame_truth.h"
+#include "algorithms/geometry/depth_image.h"  // DepthAt, for those who read a walk's depth
 #include "algorithms/io/dataset_layout.h"
 
 namespace gaitcam {
@@ -37,10 +37,6 @@ RecordedWalk ReadRecordedWalk(const DatasetFolders& folders);
 /// CV_32FC1 m along the optical axis at mid-exposure, 0 where nothing is; the lossless twin where there is one.
 /// @throws BadInput.
 cv::Mat ReadTrueDepth(const RecordedWalk& walk, const RecordedFrame& frame);
-
-/// Depth between pixels' centres: its inverse is linear on a plane. @returns nothing outside the image, where one of
-/// the four pixels has no depth, or where they lie on different surfaces (further apart than 5 %).
-std::optional<double> DepthAt(const cv::Mat& depth, const Eigen::Vector2d& pixel);
 
 /// Of the frames' median blur: median, 90 % and maximum.
 struct BlurSummary {

@@ -20,6 +20,7 @@ SystemSetup SetupWith(const SystemSettings& settings = {}) {
   setup.calibration.right = setup.calibration.camera;
   setup.calibration.X_LR.translation.x() = 0.06;
   setup.calibration.standing = StandingCamera{0.3, -Eigen::Vector3d::UnitY()};
+  setup.calibration.has_depth = true;
   setup.settings = settings;
   return setup;
 }
@@ -35,6 +36,7 @@ TEST(Systems, AreListedByNameAndCanAllBeMadeWithTheirDefaults) {
     black.stamp_ns = 42;
     black.image = {42, cv::Mat::zeros(240, 320, CV_8UC1)};
     black.right = black.image;
+    black.depth = {42, cv::Mat::ones(240, 320, CV_32FC1)};
     const FrameEstimate answer = system->Track(black);
     EXPECT_EQ(answer.stamp_ns, 42) << info.name;
     EXPECT_EQ(answer.status, TrackingStatus::kInitializing) << info.name;
@@ -44,6 +46,7 @@ TEST(Systems, AreListedByNameAndCanAllBeMadeWithTheirDefaults) {
 
 TEST(Systems, WhatTheyNeedIsKnownWithoutBuildingThem) {
   EXPECT_EQ(InfoOfSystem("floor_slam").needs, std::vector{SensorNeed::kStandingCamera});
+  EXPECT_EQ(InfoOfSystem("hybrid_slam").needs, std::vector{SensorNeed::kDepth});
   EXPECT_TRUE(InfoOfSystem("topo_slam").acts);
   EXPECT_FALSE(InfoOfSystem("mobif_vo_plus").acts);
   EXPECT_THAT(ErrorOf([] { InfoOfSystem("sift_v0"); }), HasSubstr("did you mean sift_vo?"));

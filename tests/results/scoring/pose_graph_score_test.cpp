@@ -46,6 +46,16 @@ TEST(PoseGraphScore, LoopsAreJudgedByTheMotionThatTheySay) {
   EXPECT_NEAR(comparison.loops[0].error_m, 0.05, 1e-12);
 }
 
+TEST(PoseGraphScore, LinksAlongTheWayAreSeenOrReckoned) {
+  PoseGraph graph;
+  for (const StampedPose& pose : Walk()) graph.nodes.push_back({pose.stamp_ns, {}, {}});
+  for (int to = 1; to < 5; ++to) graph.links.push_back({to - 1, to, {}, Matrix6d::Identity(), false, 1, to == 2});
+  graph.links.push_back(Loop(0, 4, 0.4, 0, 1));                              // counts as neither,
+  graph.links.push_back({0, 2, {}, Matrix6d::Identity(), false, 1, false});  // nor does a second link to a node
+  EXPECT_EQ(Value(ComparePoseGraph(graph, Walk()), "graph_links_seen_ratio"), 0.75);
+  EXPECT_TRUE(std::isnan(Value(ComparePoseGraph({}, Walk()), "graph_links_seen_ratio")));
+}
+
 TEST(PoseGraphScore, WhereThereIsNoTruthALoopIsNotJudged) {
   PoseGraph graph;
   graph.nodes = {{0, {}, {}}, {99'000'000'000, {}, {}}};

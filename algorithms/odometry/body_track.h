@@ -1,0 +1,36 @@
+/// How the camera moved between two instants by the body's own odometry, its wheels or legs.
+
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "algorithms/core/camera.h"
+#include "algorithms/core/observation.h"
+#include "algorithms/core/se3.h"
+
+namespace gaitcam {
+
+class BodyTrack {
+ public:
+  explicit BodyTrack(const OdometryCalibration& calibration) : calibration_(calibration) {}
+
+  /// The next samples, in time order.
+  void Add(const std::vector<OdometrySample>& samples);
+  /// Forgets what lies before an instant, but for the sample that it needs itself.
+  void Forget(int64_t before_ns);
+
+  /// Of the camera, the body's height and tilt taken as steady. Between samples the body moves evenly, and a little
+  /// beyond the last one as it did before. @returns nothing if the samples do not reach both instants.
+  std::optional<RelativePose> Between(int64_t from_ns, int64_t to_ns) const;
+
+ private:
+  std::optional<PlanarPose> At(int64_t stamp_ns) const;
+
+  OdometryCalibration calibration_;
+  std::deque<OdometrySample> samples_;
+};
+
+}  // namespace gaitcam

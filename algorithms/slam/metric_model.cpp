@@ -1,0 +1,71 @@
+#include "algorithms/slam/metric_model.h"
+
+#include "algorithms/features/matching.h"
+#include "algorithms/geometry/depth_image.h"
+
+namespace gaitcam {
+namespace {
+
+/// Of z (x, y, 1), whose ray is known to `sigma` in x and y.
+Eigen::Matrix3d PointCovariance(const Eigen::Vector3d& ray, double z, double sigma, double depth_sigma) {
+  const double sideways2 = z * sigma * z * sigma;
+  Eigen::Matrix3d covariance = Eigen::Vector3d(sideways2, sideways2, 0).asDiagonal();
+  return covariance + (depth_sigma * depth_sigma + sideways2) * ray * ray.transpose();
+}
+
+std::vector<PointMatch> PointsOf(const std::vector<Match>& matches, const MetricModel& from, const MetricModel& to) {
+  std::vector<PointMatch> points;
+  for (const Match& match : matches) {
+    const size_t a = size_t(match.a), b = size_t(match.b);
+    points.push_back({from.p_C[a], to.p_C[b], from.covariance[a], to.covariance[b]});
+  }
+  return points;
+}
+
+}  // namespace
+
+MetricModel MakeMetricModel(const Features& features, const cv::Mat& depth, const Calibration& calibration,
+                            const MetricModelOptions& options) {
+  MetricModel model;
+  std::vector<cv::Mat> rows;
+  for (int i = 0; i < features.size(); ++i) {
+    const cv::KeyPoint& keypoint = features.keypoints[size_t(i)];
+    const Eigen::Vector2d pixel(keypoint.pt.x, keypoint.pt.y);
+    const std::optional<double> z = DepthAt(depth, pixel);
+    if (!z || *z > options.max_depth_m) continue;
+    const Eigen::Vector3d ray = calibration.camera.Unproject(pixel);
+    const double sigma = (options.sigma_px + options.sigma_per_size * double(keypoint.size)) / calibration.camera.fx;
+    model.features.keypoints.push_back(keypoint);
+    model.p_C.emplace_back(*z * ray);
+    model.covariance.push_back(PointCovariance(ray, *z, sigma, calibration.depth.Sigma(*z)));
+    rows.push_back(features.descriptors.row(i));
+  }
+  if (!rows.empty()) cv::vconcat(rows, model.features.descriptors);
+  return model;
+}
+
+std::optional<ModelLink> LinkModels(const MetricModel& from, const MetricModel& to, const ModelLinkOptions& options,
+                                    RandomStream& random) {
+  MatchingOptions matching;
+  matching.ratio = options.ratio;
+  const std::vector<Match> matched =
+      FilterMatches(MatchDescriptors(from.features.descriptors, to.features.descriptors, matching), from.features,
+                    to.features, options.filter, random);
+  if (int(matched.size()) < options.min_inliers) return std::nullopt;
+  RigidMotionOptions motion;
+  motion.method = options.method;
+  motion.ransac.threshold = options.inlier_sigmas;
+  motion.min_inliers = options.min_inliers;
+  const std::vector<PointMatch> points = PointsOf(matched, from, to);
+  const RobustRigidMotion found = EstimateRigidMotion(points, motion, random);
+  if (!found.motion.ok() || 100 * double(found.inliers.size()) < options.min_inlier_pct * double(points.size()))
+    return std::nullopt;
+  std::vector<PointMatch> inliers;
+  for (const int i : found.inliers) inliers.push_back(points[size_t(i)]);
+  const LikelyMotion likely = RefineRigidMotion(inliers, found.motion.X_AB);  // its covariance, whatever the method
+  if (!likely.covariance.allFinite()) return std::nullopt;
+  return ModelLink{found.motion.X_AB, options.points_per_error * likely.covariance, int(inliers.size()),
+                   int(points.size())};
+}
+
+}  // namespace gaitcam
