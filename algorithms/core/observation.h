@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "algorithms/core/image.h"
-#include "algorithms/core/planar_pose.h"
 
 namespace gaitcam {
 
@@ -31,7 +30,9 @@ struct JointSample {
 /// One reading of the body's own odometry: how its wheels or legs say that it has moved over the floor.
 struct OdometrySample {
   int64_t stamp_ns = 0;
-  PlanarPose X_OB;  ///< Body (OdometryCalibration, camera.h) in O, where it stood at the start. Its errors add up.
+  /// Of the body (OdometryCalibration, camera.h) in O, the frame where it stood at the start. Their errors add up.
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< m
+  double heading = 0;                                  ///< rad, left positive, not wrapped.
 };
 
 /// Where the camera of a robot looks that stands and turns it to see all around, by the robot's own joints and steps.

@@ -59,8 +59,8 @@ OdometrySample ParseOdometry(const TextTable& table) {
   }
   OdometrySample sample;
   sample.stamp_ns = table.Integer(0, "the time in nanoseconds");
-  sample.X_OB.position = {table.Number(1, "the body's x in m"), table.Number(2, "the body's y in m")};
-  sample.X_OB.heading = table.Number(3, "the body's heading in rad");
+  sample.position = {table.Number(1, "the body's x in m"), table.Number(2, "the body's y in m")};
+  sample.heading = table.Number(3, "the body's heading in rad");
   return sample;
 }
 

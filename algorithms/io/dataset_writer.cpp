@@ -467,8 +467,8 @@ void DatasetWriter::Files::AddSamples(const Observation& o) {
   }
   for (const OdometrySample& sample : o.odometry) {
     std::string row = std::to_string(sample.stamp_ns);
-    const Eigen::Vector2d& p = sample.X_OB.position;
-    for (const double number : {p.x(), p.y(), sample.X_OB.heading}) row += "," + ExactText(number);
+    const Eigen::Vector2d& p = sample.position;
+    for (const double number : {p.x(), p.y(), sample.heading}) row += "," + ExactText(number);
     odometry_->Row(row);
   }
 }

@@ -60,7 +60,7 @@ std::optional<PlanarPose> BodyTrack::At(int64_t stamp_ns) const {
   const OdometrySample& a = samples_[size_t((after == samples_.end() ? after - 1 : after) - samples_.begin()) - 1];
   const double s = double(stamp_ns - a.stamp_ns) / double(b.stamp_ns - a.stamp_ns);
   if (s > 1 + kBeyond) return std::nullopt;
-  return PlanarPose((1 - s) * a.X_OB.position + s * b.X_OB.position, (1 - s) * a.X_OB.heading + s * b.X_OB.heading);
+  return PlanarPose((1 - s) * a.position + s * b.position, (1 - s) * a.heading + s * b.heading);
 }
 
 std::optional<RelativePose> BodyTrack::Between(int64_t from_ns, int64_t to_ns) const {
@@ -76,7 +76,7 @@ std::optional<RelativePose> BodyTrack::Between(int64_t from_ns, int64_t to_ns) c
     last = next;
   };
   for (auto sample = FirstAfter(samples_, from_ns); sample != samples_.end() && sample->stamp_ns < to_ns; ++sample)
-    grow(sample->X_OB);
+    grow(PlanarPose(sample->position, sample->heading));
   grow(*to);
   const Pose& X_BC = calibration_.X_BC;
   const Pose X_FT = X_BC.Inverse() * (from->Inverse() * *to).Lifted() * X_BC;

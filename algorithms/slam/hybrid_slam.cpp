@@ -298,18 +298,37 @@ void HybridSlam::CorrectBySemiConsensus(int model, const std::vector<GraphLink>&
 // ---------------------------------------------------------------------------------------------------------------------
 // Answers.
 
+/// A pose that the wheels alone gave is none of the camera's, unless a loop has confirmed it since.
+bool HybridSlam::IsSeen(const Frame& frame) const {
+  if (frame.answer.inliers > 0) return true;
+  const int node = frame.stand->model;
+  if (graph_.nodes[size_t(node)].stamp_ns != frame.answer.stamp_ns) return false;
+  constexpr double kBelieved = 0.5;
+  return node == 0 || std::any_of(graph_.links.begin(), graph_.links.end(), [&](const GraphLink& link) {
+           return link.loop && link.to == node && link.trust > kBelieved;
+         });
+}
+
 FrameEstimate HybridSlam::AnswerOf(const Frame& frame) const {
   FrameEstimate answer = frame.answer;
-  if (frame.stand) {
-    const GraphNode& node = graph_.nodes[size_t(frame.stand->model)];
-    answer.status = TrackingStatus::kTracking;
-    answer.pose = node.X_WC * frame.stand->X_MC;
-    if (options_.correction == LoopCorrection::kGraph)
-      answer.covariance = CovarianceOfProduct(frame.stand->X_MC, node.covariance, frame.stand->covariance);
-  } else if (last_stands_) {
+  if (!frame.stand) {
+    if (!last_stands_) return answer;
+    const FrameEstimate last = AnswerOf(frames_[*last_stands_]);
     answer.status = TrackingStatus::kLost;
-    answer.predicted = AnswerOf(frames_[*last_stands_]).pose;
+    answer.predicted = last.pose ? last.pose : last.predicted;
+    return answer;
   }
+  const GraphNode& node = graph_.nodes[size_t(frame.stand->model)];
+  const Pose X_WC = node.X_WC * frame.stand->X_MC;
+  if (!IsSeen(frame)) {
+    answer.status = TrackingStatus::kLost;
+    answer.predicted = X_WC;
+    return answer;
+  }
+  answer.status = TrackingStatus::kTracking;
+  answer.pose = X_WC;
+  if (options_.correction == LoopCorrection::kGraph)
+    answer.covariance = CovarianceOfProduct(frame.stand->X_MC, node.covariance, frame.stand->covariance);
   return answer;
 }
 

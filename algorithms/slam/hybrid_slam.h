@@ -21,7 +21,8 @@
 /// ones: what moves is in no model, so it matches nothing. Robust features of both directions need the next frame, so
 /// that a model may be linked with from the frame after its own on; live answers need no later frame.
 ///
-/// A frame that the wheels answer for has a pose, since that is measured, and no inliers.
+/// A frame that the wheels alone answer for is lost: their pose is handed over as a prediction, unless a loop has
+/// confirmed it since.
 ///
 /// The world frame W is the first frame's camera; metres.
 
@@ -158,6 +159,7 @@ class HybridSlam {
   void DropImplausible(std::vector<GraphLink>& loops) const;
   void CorrectByGraph(int model);
   void CorrectBySemiConsensus(int model, const std::vector<GraphLink>& loops);
+  bool IsSeen(const Frame& frame) const;
   FrameEstimate AnswerOf(const Frame& frame) const;
 
   Calibration calibration_;

@@ -68,7 +68,7 @@ WheelOdometry::WheelOdometry(const World& world, const OdometryOptions& options,
       rate_hz_(options.rate_hz),
       address_{JointAddress(world.model(), "drive_x"), JointAddress(world.model(), "drive_y"),
                JointAddress(world.model(), "drive_yaw")},
-      samples_{{world.stamp_ns(), X_OB_}} {}
+      samples_{{world.stamp_ns(), X_OB_.position, X_OB_.heading}} {}
 
 PlanarPose WheelOdometry::Drive(const World& world) const {
   const mjtNum* q = world.data()->qpos;
@@ -82,7 +82,7 @@ void WheelOdometry::Step(const World& world) {
   if (world.stamp_ns() < std::llround(double(next_) * 1e9 / rate_hz_)) return;
   ++next_;
   X_OB_ = X_OB_ * wheels_.Read();
-  samples_.push_back({world.stamp_ns(), X_OB_});
+  samples_.push_back({world.stamp_ns(), X_OB_.position, X_OB_.heading});
 }
 
 std::vector<OdometrySample> WheelOdometry::Take() { return std::exchange(samples_, {}); }

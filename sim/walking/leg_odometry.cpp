@@ -28,7 +28,7 @@ std::vector<OdometrySample> LegOdometry::Update(const std::vector<ImuSample>& im
     ++next_;
     const PlanarPose X_OB(estimator_.X_OB());
     heading_ += WrapAngle(X_OB.heading - heading_);
-    samples.push_back({reading.stamp_ns, {X_OB.position, heading_}});
+    samples.push_back({reading.stamp_ns, X_OB.position, heading_});
   }
   return samples;
 }

@@ -399,8 +399,8 @@ std::string FrameMessage(const Observation& o, SharedFrames& frames) {
   }
   if (!o.odometry.empty()) json["odometry"] = Json::array();
   for (const OdometrySample& s : o.odometry) {
-    const Eigen::Vector2d& p = s.X_OB.position;
-    json["odometry"].push_back({s.stamp_ns, p.x(), p.y(), s.X_OB.heading});
+    const Eigen::Vector2d& p = s.position;
+    json["odometry"].push_back({s.stamp_ns, p.x(), p.y(), s.heading});
   }
   if (o.scan) json["scan"] = {{"pan_rad", o.scan->pan_rad}, {"body_turn_rad", o.scan->body_turn_rad}};
   return json.dump();
@@ -470,7 +470,7 @@ Observation ReadFrame(const std::string& line, const SharedFrames& frames) {
     }
     for (const Json& s : json.value("odometry", Json::array())) {
       const std::vector<double> v = Numbers(s, 4, "odometry");
-      o.odometry.push_back({s.at(0).get<int64_t>(), PlanarPose({v[1], v[2]}, v[3])});
+      o.odometry.push_back({s.at(0).get<int64_t>(), {v[1], v[2]}, v[3]});
     }
     if (json.contains("scan")) {
       o.scan = ScanState{json.at("scan").at("pan_rad"), json.at("scan").at("body_turn_rad")};

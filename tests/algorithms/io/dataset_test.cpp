@@ -89,7 +89,7 @@ std::vector<Observation> SomeObservations(const Calibration& calibration, int co
       o.joints.push_back({o.imu.back().stamp_ns + 1, {random.Normal(), random.Normal()}, i == 0, k % 2 == 0});
     }
     for (int i = 0; calibration.odometry.rate_hz > 0 && i < 1 + k % 3; ++i)
-      o.odometry.push_back({o.stamp_ns + (i - 1) * 5'000'000, {{random.Normal(), random.Normal()}, random.Normal()}});
+      o.odometry.push_back({o.stamp_ns + (i - 1) * 5'000'000, {random.Normal(), random.Normal()}, random.Normal()});
     observations.push_back(o);
   }
   return observations;
@@ -163,8 +163,8 @@ void ExpectSame(const Observation& a, const Observation& b) {
   ASSERT_EQ(a.odometry.size(), b.odometry.size());
   for (size_t i = 0; i < a.odometry.size(); ++i) {
     EXPECT_EQ(a.odometry[i].stamp_ns, b.odometry[i].stamp_ns);
-    EXPECT_EQ(a.odometry[i].X_OB.position, b.odometry[i].X_OB.position);
-    EXPECT_EQ(a.odometry[i].X_OB.heading, b.odometry[i].X_OB.heading);
+    EXPECT_EQ(a.odometry[i].position, b.odometry[i].position);
+    EXPECT_EQ(a.odometry[i].heading, b.odometry[i].heading);
   }
 }
 

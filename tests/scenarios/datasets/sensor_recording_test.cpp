@@ -52,8 +52,8 @@ TEST_P(SensorRecording, GivesTheReadingsAndTheDataSheetsOfTheWalk) {
     ASSERT_EQ(read->odometry.size(), seen.odometry.size());
     for (size_t i = 0; i < seen.odometry.size(); ++i) {
       EXPECT_EQ(read->odometry[i].stamp_ns, seen.odometry[i].stamp_ns);
-      EXPECT_EQ(read->odometry[i].X_OB.position, seen.odometry[i].X_OB.position);
-      EXPECT_EQ(read->odometry[i].X_OB.heading, seen.odometry[i].X_OB.heading);
+      EXPECT_EQ(read->odometry[i].position, seen.odometry[i].position);
+      EXPECT_EQ(read->odometry[i].heading, seen.odometry[i].heading);
       EXPECT_LE(read->odometry[i].stamp_ns, seen.stamp_ns + 5'000'000) << "the shutter closes 5 ms after the middle";
     }
     samples += seen.odometry.size();

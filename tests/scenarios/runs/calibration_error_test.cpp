@@ -67,8 +67,8 @@ std::string Text(const Observation& o) {
     for (const double q : s.position) text += fmt::format(" {}", q);
   }
   for (const OdometrySample& s : o.odometry) {
-    const Eigen::Vector2d& p = s.X_OB.position;
-    text += fmt::format("\n{} {} {} {}", s.stamp_ns, p.x(), p.y(), s.X_OB.heading);
+    const Eigen::Vector2d& p = s.position;
+    text += fmt::format("\n{} {} {} {}", s.stamp_ns, p.x(), p.y(), s.heading);
   }
   return text;
 }

@@ -42,7 +42,7 @@ Observation Frame() {
   o.depth = image(CV_32FC1);
   o.imu = {{o.stamp_ns - 4, {0.1, -1.0 / 3, 1e-9}, {0, 9.81, 0.5}}, {o.stamp_ns, {0, 0, 0}, {1, 2, 3}}};
   o.joints = {{o.stamp_ns - 1, {0.25, -1.0 / 7}, true, false}};
-  o.odometry = {{o.stamp_ns - 2, {{0.5, -1.0 / 3}, 1e-9}}, {o.stamp_ns + 5, {{0.5, 1.0 / 3}, 7}}};
+  o.odometry = {{o.stamp_ns - 2, {0.5, -1.0 / 3}, 1e-9}, {o.stamp_ns + 5, {0.5, 1.0 / 3}, 7}};
   o.scan = ScanState{0.5, -0.25};
   return o;
 }
@@ -74,9 +74,9 @@ TEST(FrameProtocol, AFrameArrivesToTheBit) {
   EXPECT_EQ(read.joints[0].position, sent.joints[0].position);
   EXPECT_TRUE(read.joints[0].left_contact);
   ASSERT_EQ(read.odometry.size(), 2u);
-  EXPECT_EQ(read.odometry[0].X_OB.position, sent.odometry[0].X_OB.position);
+  EXPECT_EQ(read.odometry[0].position, sent.odometry[0].position);
   EXPECT_EQ(read.odometry[1].stamp_ns, sent.odometry[1].stamp_ns);
-  EXPECT_EQ(read.odometry[1].X_OB.heading, sent.odometry[1].X_OB.heading);
+  EXPECT_EQ(read.odometry[1].heading, sent.odometry[1].heading);
   EXPECT_EQ(read.scan->body_turn_rad, -0.25);
 }
 

@@ -160,11 +160,11 @@ TEST(WheelOdometry, PerfectWheelsTellWhereTheBaseHasCome) {
   const std::vector<OdometrySample> samples = DriveSquare(options, 1, truth);
   ASSERT_GT(samples.size(), 100u);
   EXPECT_EQ(samples[0].stamp_ns, 0);
-  EXPECT_TRUE(samples[0].X_OB.position.isZero(0));
+  EXPECT_TRUE(samples[0].position.isZero(0));
   for (size_t i = 1; i < samples.size(); ++i) EXPECT_EQ(samples[i].stamp_ns, int64_t(i) * 20'000'000);
   // The base stands by then; what is left is the root link's rocking, and arcs read as chords.
-  EXPECT_LT((samples.back().X_OB.position - truth.position).norm(), 1e-3);
-  EXPECT_LT(std::abs(WrapAngle(samples.back().X_OB.heading - truth.heading)), 1e-4);
+  EXPECT_LT((samples.back().position - truth.position).norm(), 1e-3);
+  EXPECT_LT(std::abs(WrapAngle(samples.back().heading - truth.heading)), 1e-4);
 }
 
 TEST(WheelOdometry, TheSameSeedSlipsAlikeAndAnotherDoesNot) {
@@ -174,10 +174,10 @@ TEST(WheelOdometry, TheSameSeedSlipsAlikeAndAnotherDoesNot) {
   const auto a = DriveSquare(options, 1, truth), b = DriveSquare(options, 1, truth), c = DriveSquare(options, 2, truth);
   ASSERT_EQ(a.size(), b.size());
   for (size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].X_OB.position, b[i].X_OB.position);
-    EXPECT_EQ(a[i].X_OB.heading, b[i].X_OB.heading);
+    EXPECT_EQ(a[i].position, b[i].position);
+    EXPECT_EQ(a[i].heading, b[i].heading);
   }
-  EXPECT_NE(a.back().X_OB.heading, c.back().X_OB.heading);
+  EXPECT_NE(a.back().heading, c.back().heading);
 }
 
 TEST(WheelOdometry, OthersOfTheRobotsSensorsReadAsWithoutIt) {

@@ -27,7 +27,7 @@ struct LegError {
 LegError LegErrorOf(const WalkTrialResult& walk) {
   const PlanarPose truth = walk.start.Inverse() * walk.end;
   // The last reading is as old as a period of the odometry, in which the trunk moves by some millimetres.
-  const PlanarPose& legs = walk.odometry.back().X_OB;
+  const OdometrySample& legs = walk.odometry.back();
   return {(legs.position - truth.position).norm(), std::abs(WrapAngle(legs.heading - truth.heading))};
 }
 
@@ -63,7 +63,7 @@ TEST(LegOdometry, SamplesComeAtTheirRateFromTheFirstReadingOn) {
   const std::vector<OdometrySample> samples = RunWalkTrial(options).odometry;
   ASSERT_GE(samples.size(), 119u);
   EXPECT_EQ(samples[0].stamp_ns, 0);
-  EXPECT_LT(samples[0].X_OB.position.norm(), 1e-3);
+  EXPECT_LT(samples[0].position.norm(), 1e-3);
   for (size_t i = 1; i < samples.size(); ++i) {
     // Joints are read every 4 ms.
     EXPECT_GE(samples[i].stamp_ns, int64_t(i) * 25'000'000);
@@ -99,7 +99,7 @@ TEST(LegOdometry, ItsHeadingIsTheGyroscopesLessTheBiasLearntAtRest) {
   const Readings readings = Treading(robot, 81);
   const std::vector<OdometrySample> samples = legs.Update(readings.imu, readings.joints);
   // 0.1 rad/s for 80 s, beyond a full turn.
-  EXPECT_NEAR(samples.back().X_OB.heading, 8, 0.01);
+  EXPECT_NEAR(samples.back().heading, 8, 0.01);
 }
 
 TEST(LegOdometry, HowReadingsAreHandedOverMakesNoDifference) {
@@ -122,8 +122,8 @@ TEST(LegOdometry, HowReadingsAreHandedOverMakesNoDifference) {
   ASSERT_EQ(parts.size(), whole.size());
   for (size_t i = 0; i < parts.size(); ++i) {
     EXPECT_EQ(parts[i].stamp_ns, whole[i].stamp_ns);
-    EXPECT_EQ(parts[i].X_OB.position, whole[i].X_OB.position);
-    EXPECT_EQ(parts[i].X_OB.heading, whole[i].X_OB.heading);
+    EXPECT_EQ(parts[i].position, whole[i].position);
+    EXPECT_EQ(parts[i].heading, whole[i].heading);
   }
 }
 
