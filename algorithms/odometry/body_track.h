@@ -9,6 +9,7 @@
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/observation.h"
+#include "algorithms/core/planar_pose.h"
 #include "algorithms/core/se3.h"
 
 namespace gaitcam {

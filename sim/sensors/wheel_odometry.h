@@ -18,6 +18,7 @@
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/observation.h"
+#include "algorithms/core/planar_pose.h"
 #include "algorithms/core/random.h"
 #include "sim/sensors/odometry_options.h"
 #include "sim/world/world.h"

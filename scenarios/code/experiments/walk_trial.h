@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "algorithms/core/planar_pose.h"
 #include "models/code/robots/robot.h"
 #include "sim/sensors/sensors.h"
 #include "sim/walking/path.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/planar_pose.h"
 #include "tests/algorithms/odometry/odometry_trials.h"
 #include "tests/error_of.h"
 

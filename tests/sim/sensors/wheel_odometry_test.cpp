@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/planar_pose.h"
 #include "sim/sensors/sensors.h"
 #include "sim/walking/omni_drive.h"
 #include "tests/data_folder.h"

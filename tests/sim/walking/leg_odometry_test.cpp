@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "algorithms/core/planar_pose.h"
 #include "tests/sim/walking/walk_trial.h"
 
 namespace gaitcam {
