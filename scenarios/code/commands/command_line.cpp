@@ -21,12 +21,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The parser by itself takes -1 for 2^64 - 1.
+std::string RefuseSeed(const std::string& text) {
+  return OptionValue(text).AsUnsigned() ? "" : text + " is not permitted; expected a whole number of at least 0";
+}
+
 void AddScenario(CLI::App& verb, ScenarioArguments& arguments) {
   verb.add_option("scenario", arguments.file, "scenario file (YAML), or the name of a shipped one")->required();
   verb.add_option("--set", arguments.sets, "set any key of the scenario, e.g. gait.period_s=0.3 (repeatable)")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
-  verb.add_option("--seed", arguments.seed, "seed of all randomness (default: the scenario's)");
+  verb.add_option("--seed", arguments.seed, "seed of all randomness (default: the scenario's)")->check(RefuseSeed);
   verb.add_option("--system", arguments.system, "SLAM system (default: the scenario's)");
 }
 
@@ -115,7 +120,7 @@ void AddTrack(CLI::App& app, Arguments& a) {
   verb->add_option("--set", a.track.sets, "setting of the system, e.g. ratio=0.7 (repeatable)")
       ->allow_extra_args(false)
       ->type_name("NAME=VALUE");
-  verb->add_option("--seed", a.track.seed, "seed of the system's randomness")->capture_default_str();
+  verb->add_option("--seed", a.track.seed, "seed of the system's randomness")->check(RefuseSeed)->capture_default_str();
   verb->add_option("--out", a.track.out, "trajectory file to write, TUM format (default: estimate-SYSTEM.txt)");
   AddAll(*verb, a.track.all);
   verb->footer(

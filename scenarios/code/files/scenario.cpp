@@ -152,9 +152,9 @@ void CheckRig(const OptionValue& root, const Scenario& scenario) {
 /// Fails where the key of the scenario stands that `message` ("camera.exposure_ms: ...") begins with, or near it.
 [[noreturn]] void FailAtKey(const OptionValue& root, const std::string& message) {
   const size_t colon = message.find(": "), dot = message.find('.');
-  const std::string key = message.substr(0, colon), group = message.substr(0, dot);
-  if (colon == std::string::npos || dot > colon) root.Fail(message);
-  const bool is_there = root.Has(group) && root.Child(group).Has(key.substr(dot + 1));
+  if (colon == std::string::npos) root.Fail(message);
+  const std::string key = message.substr(0, colon), group = message.substr(0, std::min(dot, colon));
+  const bool is_there = root.Has(group) && (group == key || root.Child(group).Has(key.substr(group.size() + 1)));
   FailAtSetting(root, key, is_there ? message.substr(colon + 2) : message);
 }
 
@@ -204,6 +204,11 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   }
   ResolveGait(root, resolved.robot, scenario.gait);
   CheckStart(root, scenario);
+  try {
+    Path(scenario.path, Pose());
+  } catch (const BadOption& e) {
+    FailAtKey(root, e.what());
+  }
   try {
     resolved.start = StartOf(resolved);
   } catch (const BadInput& e) {

@@ -1,7 +1,9 @@
 #include "scenarios/code/runs/exit_code.h"
 
+#include <cerrno>
 #include <cstdio>
-#include <filesystem>
+#include <cstring>
+#include <system_error>
 
 #include "algorithms/core/errors.h"
 #include "scenarios/code/runs/terminal_text.h"
@@ -16,15 +18,17 @@ int Fail(int code, const std::string& line) {
 
 int WithExitCode(const std::function<int()>& work) {
   try {
-    return work();
+    const int code = work();
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+    throw MissingResource(std::string("standard output: cannot write to it: ") + std::strerror(errno));
   } catch (const BadInput& e) {
     return Fail(2, e.what());
   } catch (const TooLittleData& e) {
     return Fail(3, e.what());
   } catch (const MissingResource& e) {
     return Fail(4, e.what());
-  } catch (const std::filesystem::filesystem_error& e) {
-    return Fail(4, e.what());  // disk full, no permission
+  } catch (const std::system_error& e) {
+    return Fail(4, e.what());  // disk full, no permission, no more threads
   } catch (const std::exception& e) {
     return Fail(70, std::string("internal error, please report it: ") + e.what());
   }

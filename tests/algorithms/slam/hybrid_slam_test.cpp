@@ -111,8 +111,9 @@ TEST(HybridSlam, TracksAndClosesLoopsInEitherDirectionAndByEitherCorrection) {
 /// Black from frame 10 to 14: 12 cm without sight, so that the last model is hardly in sight afterwards.
 std::vector<Observation> Blinded(bool wheels) {
   std::vector<Observation> frames = OutAndBack().frames;
+  const cv::Mat black(frames.front().image.pixels.size(), CV_8UC1, cv::Scalar(0));
   for (size_t i = 0; i < frames.size(); ++i) {
-    if (i >= 10 && i < 15) frames[i].image.pixels = cv::Mat::zeros(frames[i].image.pixels.size(), CV_8UC1);
+    if (i >= 10 && i < 15) frames[i].image.pixels = black;
     if (!wheels) frames[i].odometry.clear();
   }
   return frames;
@@ -150,6 +151,8 @@ TEST(HybridSlam, WithoutWheelsTheSameFramesAreLostAndThenFoundAgain) {
 TEST(HybridSlam, SaysTheSameTwice) {
   const Learned a(Near(), OutAndBack().frames), b(Near(), OutAndBack().frames);
   for (size_t i = 0; i < a.final.size(); ++i) {
+    ASSERT_TRUE(a.final[i].pose && b.final[i].pose) << i;
+    ASSERT_TRUE(a.live[i].pose && b.live[i].pose) << i;
     EXPECT_EQ(a.final[i].pose->translation, b.final[i].pose->translation);
     EXPECT_EQ(a.live[i].pose->rotation.coeffs(), b.live[i].pose->rotation.coeffs());
   }
@@ -158,8 +161,10 @@ TEST(HybridSlam, SaysTheSameTwice) {
 TEST(HybridSlam, LiveAnswersKnowNothingOfLaterFrames) {
   const std::vector<Observation> half(OutAndBack().frames.begin(), OutAndBack().frames.begin() + 25);
   const Learned part(Near(), half), whole(Near(), OutAndBack().frames);
-  for (size_t i = 0; i < half.size(); ++i)
+  for (size_t i = 0; i < half.size(); ++i) {
+    ASSERT_TRUE(part.live[i].pose && whole.live[i].pose) << i;
     EXPECT_EQ(part.live[i].pose->translation, whole.live[i].pose->translation) << i;
+  }
 }
 
 TEST(HybridSlam, RefusesACameraWithoutDepthAndAFrameWithoutIt) {

@@ -63,10 +63,11 @@ TEST(SystemNeeds, EveryShippedSystemGetsWhatItNeedsFromAPlainScenario) {
   std::ofstream(folder.path() / "s.yaml") << "robot: khr1hv_pan\nscene: plain\ncamera: {pitch_deg: 0}\n";
   for (const SystemInfo& info : ListSystems()) {
     std::vector<std::string> assignments{"system=" + info.name};
-    const bool stereo = std::count(info.needs.begin(), info.needs.end(), SensorNeed::kStereo) > 0;
-    if (stereo) {
-      EXPECT_THROW(ReadScenario(folder.path() / "s.yaml", assignments), BadInput) << info.name << " with one eye";
-      assignments.push_back("camera.stereo.baseline_m=0.06");
+    for (const auto& [need, assignment] : {std::pair(SensorNeed::kStereo, "camera.stereo.baseline_m=0.06"),
+                                           std::pair(SensorNeed::kDepth, "camera.depth=true")}) {
+      if (std::count(info.needs.begin(), info.needs.end(), need) == 0) continue;
+      EXPECT_THROW(ReadScenario(folder.path() / "s.yaml", assignments), BadInput) << info.name << " with one plain eye";
+      assignments.push_back(assignment);
     }
     EXPECT_NO_THROW(ReadScenario(folder.path() / "s.yaml", assignments)) << info.name;
   }
