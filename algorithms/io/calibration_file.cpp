@@ -248,6 +248,11 @@ struct PlacedCamera {
   double rate_hz = 0;
 };
 
+bool IsSizeOfImage(const std::vector<double>& size) {
+  constexpr double kLargest_px = 100000;
+  return size[0] >= 1 && size[1] >= 1 && size[0] <= kLargest_px && size[1] <= kLargest_px;
+}
+
 /// @param size [width, height] px @param k [fx, fy, cx, cy] @param d as DistortionOf gives them
 CameraModel Camera(const std::vector<double>& size, const std::vector<double>& k, const std::vector<double>& d) {
   CameraModel c;
@@ -270,7 +275,7 @@ PlacedCamera ReadEurocCamera(const std::filesystem::path& file) {
   }
   const std::vector<double> size = map.Numbers("resolution", 2), k = map.Numbers("intrinsics", 4),
                             d = map.Numbers("distortion_coefficients", 4, 5);
-  if (!(size[0] >= 1 && size[1] >= 1)) map.Fail("resolution", "expected [width, height] in pixels");
+  if (!IsSizeOfImage(size)) map.Fail("resolution", "expected [width, height] from 1 to 100000 pixels");
   if (!(k[0] > 0 && k[1] > 0)) map.Fail("intrinsics", "expected [fu, fv, cu, cv] with positive focal lengths");
   result.camera = Camera(size, k, d);
   result.X_BC = ReadMatrix(map.Map("T_BS"), "data");
@@ -293,7 +298,7 @@ PlacedCamera ReadVslamlabCamera(const YamlMap& map) {
   }
   const std::vector<double> size = map.Numbers("image_dimension", 2), f = map.Numbers("focal_length", 2),
                             c = map.Numbers("principal_point", 2);
-  if (!(size[0] >= 1 && size[1] >= 1)) map.Fail("image_dimension", "expected [width, height] in pixels");
+  if (!IsSizeOfImage(size)) map.Fail("image_dimension", "expected [width, height] from 1 to 100000 pixels");
   if (!(f[0] > 0 && f[1] > 0)) map.Fail("focal_length", "expected two numbers greater than 0");
   result.camera = Camera(size, {f[0], f[1], c[0], c[1]}, distortion);
   result.X_BC = ReadMatrix(map, "T_BS");

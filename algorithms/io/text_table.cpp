@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <system_error>
 
 #include "algorithms/core/errors.h"
@@ -168,6 +169,7 @@ bool ParseSeconds(std::string_view text, int64_t& stamp_ns) {
   if (digits.size() + size_t(std::max(exponent, 0)) > kMaxDigits) return false;
   digits.append(size_t(std::max(exponent, 0)), '0');
   if (!Parse(std::string_view(digits), stamp_ns)) return false;
+  if (round_up && stamp_ns == std::numeric_limits<int64_t>::max()) return false;
   stamp_ns = (negative ? -1 : 1) * (stamp_ns + round_up);
   return true;
 }

@@ -22,14 +22,15 @@ std::string MachineName() {
   return name.data();
 }
 
-/// @param owner "MACHINE-PROCESS", as UnfinishedNameFor writes it.
+/// @param owner "MACHINE-PROCESS", as UnfinishedNameFor writes it, perhaps with "-" and something behind it.
 bool IsGone(std::string_view owner) {
   const std::string here = MachineName() + "-";
   if (!owner.starts_with(here)) return false;
   owner.remove_prefix(here.size());
   pid_t process = 0;
   const auto [end, error] = std::from_chars(owner.data(), owner.data() + owner.size(), process);
-  if (error != std::errc() || end != owner.data() + owner.size() || process <= 0) return false;
+  const bool is_whole = end == owner.data() + owner.size() || *end == '-';
+  if (error != std::errc() || !is_whole || process <= 0) return false;
   return kill(process, 0) != 0 && errno == ESRCH;
 }
 

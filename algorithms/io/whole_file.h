@@ -12,7 +12,8 @@ namespace gaitcam {
 /// What the names of everything unfinished begin with that is to become `wanted`: ".NAME.part-".
 std::string UnfinishedPrefix(const std::filesystem::path& wanted);
 
-/// Where this process writes what is to become `wanted`: beside it, named after machine and process.
+/// Where this process writes what is to become `wanted`: beside it, named after machine and process. Who needs several
+/// adds "-" and something.
 std::filesystem::path UnfinishedNameFor(const std::filesystem::path& wanted);
 
 /// Removes what processes of this machine left that are no more, of files and folders that were to become `wanted`.

@@ -6,12 +6,14 @@
 #include <string>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/whole_file.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
 
 PrivateFolder::PrivateFolder(const fs::path& parent) {
-  std::string name = (parent / "gaitcam-XXXXXX").string();
+  RemoveAbandoned(parent / "gaitcam");
+  std::string name = UnfinishedNameFor(parent / "gaitcam").string() + "-XXXXXX";
   if (mkdtemp(name.data()) == nullptr)
     throw MissingResource("cannot make a folder " + name + ": " + std::strerror(errno));
   path_ = name;

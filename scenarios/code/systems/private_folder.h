@@ -6,7 +6,7 @@
 
 namespace gaitcam {
 
-/// Removed with the object, whatever lies in it then.
+/// Removed with the object, whatever lies in it then; or by the next one, where a process was killed that had it.
 class PrivateFolder {
  public:
   /// Below the folder for temporary files. @throws MissingResource if it cannot be made.

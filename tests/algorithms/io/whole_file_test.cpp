@@ -85,9 +85,12 @@ TEST(WholeFile, WhatAProcessLeftThatIsGoneIsRemovedAndWhatOneWritesStays) {
   const fs::path of_the_first = ours.substr(0, ours.rfind('-')) + "-1";        // always runs
   const fs::path of_nobody = ours.substr(0, ours.rfind('-')) + "-2147483646";  // above the largest number of a process
   const fs::path of_another_machine = temporary.path() / (UnfinishedPrefix(wanted) + "elsewhere-2147483646");
-  for (const fs::path& path : {fs::path(ours), of_the_first, of_nobody, of_another_machine}) fs::create_directory(path);
+  const fs::path one_of_nobodys = of_nobody.string() + "-a1";
+  for (const fs::path& path : {fs::path(ours), of_the_first, of_nobody, one_of_nobodys, of_another_machine})
+    fs::create_directory(path);
   RemoveAbandoned(wanted);
   EXPECT_FALSE(fs::exists(of_nobody));
+  EXPECT_FALSE(fs::exists(one_of_nobodys));
   EXPECT_EQ(EntriesOf(temporary.path()), 3u);
 }
 
