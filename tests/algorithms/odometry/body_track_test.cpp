@@ -28,7 +28,10 @@ PlanarPose Arc(double t_s) {
 
 BodyTrack Driven(double seconds) {
   BodyTrack track(CameraOnAMast());
-  for (int64_t t = 0; double(t) * 1e-9 <= seconds; t += kPeriod_ns) track.Add({{t, Arc(double(t) * 1e-9)}});
+  for (int64_t t = 0; double(t) * 1e-9 <= seconds; t += kPeriod_ns) {
+    const PlanarPose body = Arc(double(t) * 1e-9);
+    track.Add({{t, body.position, body.heading}});
+  }
   return track;
 }
 
