@@ -22,7 +22,7 @@ std::string MachineName() {
   return name.data();
 }
 
-/// @param owner "MACHINE-PROCESS", as UnfinishedNameFor writes it, perhaps with "-" and something behind it.
+/// @param owner as NameOfProcess writes it, perhaps with "-" and something behind it.
 bool IsGone(std::string_view owner) {
   const std::string here = MachineName() + "-";
   if (!owner.starts_with(here)) return false;
@@ -56,13 +56,13 @@ fs::path Followed(const fs::path& file) {
 
 std::string UnfinishedPrefix(const fs::path& wanted) { return "." + wanted.filename().string() + ".part-"; }
 
+std::string NameOfProcess() { return MachineName() + "-" + std::to_string(getpid()); }
+
 fs::path UnfinishedNameFor(const fs::path& wanted) {
-  return wanted.parent_path() / (UnfinishedPrefix(wanted) + MachineName() + "-" + std::to_string(getpid()));
+  return wanted.parent_path() / (UnfinishedPrefix(wanted) + NameOfProcess());
 }
 
-void RemoveAbandoned(const fs::path& wanted) {
-  const std::string prefix = UnfinishedPrefix(wanted);
-  const fs::path folder = wanted.has_parent_path() ? wanted.parent_path() : ".";
+void RemoveAbandoned(const fs::path& folder, const std::string& prefix) {
   std::error_code error;
   std::vector<fs::path> abandoned;
   for (const auto& item : fs::directory_iterator(folder, error)) {
@@ -72,6 +72,10 @@ void RemoveAbandoned(const fs::path& wanted) {
     }
   }
   for (const fs::path& path : abandoned) fs::remove_all(path, error);
+}
+
+void RemoveAbandoned(const fs::path& wanted) {
+  RemoveAbandoned(wanted.has_parent_path() ? wanted.parent_path() : ".", UnfinishedPrefix(wanted));
 }
 
 namespace {

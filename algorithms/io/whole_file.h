@@ -12,11 +12,17 @@ namespace gaitcam {
 /// What the names of everything unfinished begin with that is to become `wanted`: ".NAME.part-".
 std::string UnfinishedPrefix(const std::filesystem::path& wanted);
 
-/// Where this process writes what is to become `wanted`: beside it, named after machine and process. Who needs several
-/// adds "-" and something.
+/// Where this process writes what is to become `wanted`: beside it.
 std::filesystem::path UnfinishedNameFor(const std::filesystem::path& wanted);
 
-/// Removes what processes of this machine left that are no more, of files and folders that were to become `wanted`.
+/// "MACHINE-NUMBER" of this process, for names of what is its own for a while.
+std::string NameOfProcess();
+
+/// Removes the files and folders in `folder` whose names are `prefix`, the name of a process of this machine that is no
+/// more, and perhaps "-" and something behind it.
+void RemoveAbandoned(const std::filesystem::path& folder, const std::string& prefix);
+
+/// Those that were to become `wanted`.
 void RemoveAbandoned(const std::filesystem::path& wanted);
 
 /// Writes a file, in place of an older one if there is one. A symbolic link stays: the file that it names is replaced.

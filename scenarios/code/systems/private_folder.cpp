@@ -12,8 +12,9 @@ namespace gaitcam {
 namespace fs = std::filesystem;
 
 PrivateFolder::PrivateFolder(const fs::path& parent) {
-  RemoveAbandoned(parent / "gaitcam");
-  std::string name = UnfinishedNameFor(parent / "gaitcam").string() + "-XXXXXX";
+  const std::string prefix = "gaitcam-";
+  RemoveAbandoned(parent, prefix);
+  std::string name = (parent / (prefix + NameOfProcess() + "-XXXXXX")).string();
   if (mkdtemp(name.data()) == nullptr)
     throw MissingResource("cannot make a folder " + name + ": " + std::strerror(errno));
   path_ = name;

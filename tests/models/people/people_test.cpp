@@ -246,7 +246,7 @@ TEST(People, BadInputIsNamed) {
   EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, 0]], speed_m_s: -1}]"), HasSubstr("speed_m_s"));
   EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, 0]], height_m: 5}]"), HasSubstr("height_m"));
   EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, 0]], top_rgb: [2, 0, 0]}]"), HasSubstr("three numbers from 0 to 1"));
-  EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, .nan]]}]"), HasSubstr("finite"));
+  EXPECT_THAT(PeopleError("[{path: [[0, 0], [1, .nan]]}]"), HasSubstr("path[1][1]: .nan is not permitted"));
   EXPECT_THAT(PeopleError("{path: [[0, 0], [1, 0]]}"), HasSubstr("expected a list"));
 }
 
