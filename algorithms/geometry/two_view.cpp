@@ -201,12 +201,11 @@ void PreferFloor(const std::optional<Eigen::Vector3d>& up_A, std::vector<ScoredM
     return plane.normal.dot(*up_A) > std::cos(kLevel_rad);
   });
   if (floor == planes.end()) return;
-  const ScoredMotion of_floor = *floor;
-  if (of_floor.score <= kMuchWorse * planes.front().score) {
-    planes = {of_floor};
-  } else {
-    planes = {planes.front(), {of_floor.motion, planes.front().score, of_floor.normal}};
-  }
+  const ScoredMotion of_floor = *floor, best = planes.front();
+  planes = {of_floor};
+  if (of_floor.score <= kMuchWorse * best.score) return;
+  planes = {best, of_floor};
+  planes.back().score = best.score;  // on a par, so that Alternative() reports it
 }
 
 /// A motion in another direction that explains the pairs about as well as the first and best of `sorted`.

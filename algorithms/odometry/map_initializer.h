@@ -2,8 +2,9 @@
 /// frame for the direction of motion and the depths to be certain.
 ///
 /// The reference is matched with each new frame; five-point hypotheses are judged by a robust estimator, the best is
-/// decomposed by points in front (thesis 5.4, steps 2 to 5) and refined by least squares. A rotation alone, or a plane
-/// that allows two motions, initialises nothing, unless gravity says that the plane is the floor.
+/// decomposed by points in front (thesis 5.4, steps 2 to 5) and refined by least squares. Nothing is
+/// initialised by a rotation alone, nor where another motion explains the matches about as well, as of a plane. Where
+/// gravity says that the plane is the floor, its two motions can be told apart.
 
 #pragma once
 

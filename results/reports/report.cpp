@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
 
-#include "algorithms/core/errors.h"
 #include "algorithms/core/units.h"
+#include "algorithms/io/whole_file.h"
 #include "results/reports/html_page.h"
 #include "results/reports/page_file.h"
 #include "results/reports/report_charts.h"
@@ -287,18 +286,7 @@ std::string ReportHtml(const ReportInput& input, const ReportOptions& options) {
 }
 
 void WriteReport(const std::filesystem::path& path, const ReportInput& input, const ReportOptions& options) {
-  const std::string html = ReportHtml(input, options);
-  std::filesystem::path temporary = path;
-  temporary += ".partial";
-  std::error_code error;
-  {
-    std::ofstream file(temporary, std::ios::binary);
-    file << html;
-    file.close();
-    if (!file) throw MissingResource(path.string() + ": the report cannot be written there");
-  }
-  std::filesystem::rename(temporary, path, error);
-  if (error) throw MissingResource(path.string() + ": the report cannot be written there: " + error.message());
+  WriteWholeFile(path, ReportHtml(input, options));
 }
 
 }  // namespace gaitcam

@@ -68,7 +68,7 @@ struct ReportOptions {
 /// @throws MissingResource naming the Debian package if Chart.js is not there.
 std::string ReportHtml(const ReportInput& input, const ReportOptions& options = {});
 
-/// Writes the page to `path`, under a temporary name first.
+/// Writes the page to `path`, whole or not at all (WriteWholeFile).
 /// @throws MissingResource as above, or if the file cannot be written.
 void WriteReport(const std::filesystem::path& path, const ReportInput& input, const ReportOptions& options = {});
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/geometry/depth_image.h"
 #include "algorithms/io/text_table.h"
 #include "algorithms/io/whole_file.h"
 

@@ -17,6 +17,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
+#include "algorithms/geometry/depth_image.h"
 #include "algorithms/io/dataset_layout.h"
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/trajectory_file.h"

@@ -60,10 +60,8 @@ void CheckFileName(const OptionValue& node, const std::string& key, const std::s
                        std::none_of(name.begin(), name.end(), is_bad);
   if (is_good) return;
   (node.Has(key) ? node.Child(key) : node)
-      .Fail(
-          "files are named after this; expected 1 to 100 characters, no \"/\" and no line feed among them, and not "
-          "\".\" "
-          "or \"..\"");
+      .Fail(R"(files are named after this; expected 1 to 100 characters, no "/" and no line feed among them, )"
+            R"(and not "." or "..")");
 }
 
 }  // namespace gaitcam

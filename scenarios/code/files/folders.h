@@ -1,4 +1,5 @@
-/// Where the shipped robots, scenes and scenarios lie, wherever the program was started from, and what they are called.
+/// Where the shipped robots, scenes and scenarios lie, wherever the program was started from, and what they are called;
+/// and what may be the name of a file.
 
 #pragma once
 

@@ -9,7 +9,6 @@
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/frame_truth.h"
-#include "algorithms/geometry/depth_image.h"  // DepthAt, for those who read a walk's depth
 #include "algorithms/io/dataset_layout.h"
 
 namespace gaitcam {
