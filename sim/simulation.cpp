@@ -159,6 +159,10 @@ void Simulation::Command(const BodyCommand& command) {
     RequestScan();
     return;
   }
+  if (std::holds_alternative<EndWalk>(command)) {
+    if (status_ == SimulationStatus::kWalking) End(SimulationStatus::kFinished);
+    return;
+  }
   if (const Velocity* v = std::get_if<Velocity>(&command)) {
     CheckFinite("velocity", {v->forward_mps, v->left_mps, v->turn_rad_s});
   } else if (const GoTo* to = std::get_if<GoTo>(&command)) {

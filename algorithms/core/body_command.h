@@ -38,6 +38,11 @@ struct GoTo {
   bool operator==(const GoTo&) const = default;
 };
 
-using BodyCommand = std::variant<FollowPath, Scan, Velocity, GoTo>;
+/// Nothing is left to be done: the run ends here.
+struct EndWalk {
+  bool operator==(const EndWalk&) const = default;
+};
+
+using BodyCommand = std::variant<FollowPath, Scan, Velocity, GoTo, EndWalk>;
 
 }  // namespace gaitcam

@@ -14,10 +14,12 @@
 #include "algorithms/core/occupancy_grid.h"
 #include "algorithms/core/place_graph.h"
 #include "algorithms/core/pose_graph.h"
+#include "algorithms/core/route_map.h"
+#include "algorithms/core/taught_drive.h"
 
 namespace gaitcam {
 
-using Map = std::variant<FloorPicture, PlaceGraph, LandmarkMap, OccupancyGrid, PoseGraph>;
+using Map = std::variant<FloorPicture, PlaceGraph, LandmarkMap, OccupancyGrid, PoseGraph, RouteMap, TaughtDrive>;
 
 /// The first map of one kind, or null.
 template <class Kind>

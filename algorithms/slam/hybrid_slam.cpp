@@ -20,30 +20,20 @@ HybridSlam::HybridSlam(const Calibration& calibration, const HybridSlamOptions& 
       options_(options),
       loop_links_(options.links),
       random_(seed, "hybrid_slam"),
-      detector_(MakeFeature2d(options.feature, options.sensitivity)),
+      sight_(calibration, options.sight, "hybrid_slam"),
       robust_(options.robust, seed),
       body_(calibration.odometry),
       search_(options.search) {
   CheckFields(options, "hybrid_slam.");
-  if (!calibration.has_depth)
-    throw BadInput("hybrid_slam needs depth images, which the calibration does not have (has_depth: true)");
   loop_links_.filter.filter = options.loop_filter;
   loop_links_.min_inliers = options.loop_inliers;
 }
 
-void HybridSlam::CheckFrame(const Observation& o) const {
-  if (!o.depth) throw BadInput("hybrid_slam: the frame at " + std::to_string(o.stamp_ns) + " ns has no depth image");
-  if (o.depth->pixels.size() == o.image.pixels.size() && o.depth->pixels.type() == CV_32FC1) return;
-  throw BadInput("hybrid_slam: the depth image at " + std::to_string(o.stamp_ns) +
-                 " ns should have the size of the image, and metres as float");
-}
-
 FrameEstimate HybridSlam::Track(const Observation& observation) {
-  CheckFrame(observation);
   body_.Add(observation.odometry);
   const int64_t stamp_ns = observation.stamp_ns;
   const cv::Mat& image = observation.image.pixels;
-  const MetricModel seen = SeenIn(observation);
+  const MetricModel seen = sight_.See(observation);
   Frame frame;
   frame.answer.stamp_ns = stamp_ns;
   frame.answer.features = seen.features.size();
@@ -73,22 +63,6 @@ FrameEstimate HybridSlam::Track(const Observation& observation) {
 
 // ---------------------------------------------------------------------------------------------------------------------
 // A frame against the models.
-
-/// Features without a depth make no model: the strongest are taken of those that have one.
-MetricModel HybridSlam::SeenIn(const Observation& observation) const {
-  constexpr int kDetected = 4;  // times as many
-  const Features features =
-      ViewFrame(observation.image.pixels, calibration_.camera, *detector_, kDetected * options_.max_features, {})
-          .features;
-  MetricModel seen = MakeMetricModel(features, observation.depth->pixels, calibration_, options_.models);
-  const size_t kept = size_t(options_.max_features);
-  if (seen.p_C.size() <= kept) return seen;
-  seen.p_C.resize(kept);
-  seen.covariance.resize(kept);
-  seen.features.keypoints.resize(kept);
-  seen.features.descriptors = seen.features.descriptors.rowRange(0, int(kept));
-  return seen;
-}
 
 std::optional<HybridSlam::Stand> HybridSlam::Locate(const MetricModel& seen, FrameEstimate& answer) {
   if (graph_.nodes.empty()) return std::nullopt;
@@ -205,7 +179,7 @@ HybridSlam::Stand HybridSlam::AddNode(int64_t stamp_ns, const std::optional<Stan
 /// The robust features of a view are known: it may be linked with, if it is one of a model.
 void HybridSlam::Settle(const RobustView& view) {
   if (waiting_.empty() || waiting_.front().stamp_ns != view.stamp_ns) return;
-  models_.push_back(MakeMetricModel(view.features, waiting_.front().depth, calibration_, options_.models));
+  models_.push_back(MakeMetricModel(view.features, waiting_.front().depth, calibration_, options_.sight.models));
   waiting_.pop_front();
   const int model = int(models_.size()) - 1;
   search_.Add(models_.back().features.descriptors);
@@ -345,6 +319,13 @@ std::vector<FrameEstimate> HybridSlam::Finish() {
       answers.back().status = graph_.nodes.empty() ? TrackingStatus::kInitializing : TrackingStatus::kLost;
   }
   return answers;
+}
+
+RouteMap HybridSlam::Learned() const {
+  RouteMap map{calibration_.camera, options_.sight.feature, calibration_.odometry.X_BC, graph_, {}};
+  for (const MetricModel& model : models_) map.views.push_back(ToMappedView(model));
+  map.views.resize(graph_.nodes.size());
+  return map;
 }
 
 }  // namespace gaitcam

@@ -30,7 +30,6 @@
 
 #include <cstdint>
 #include <deque>
-#include <opencv2/features2d.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,10 +40,11 @@
 #include "algorithms/core/observation.h"
 #include "algorithms/core/pose_graph.h"
 #include "algorithms/core/random.h"
+#include "algorithms/core/route_map.h"
 #include "algorithms/odometry/body_track.h"
-#include "algorithms/odometry/frame_view.h"
 #include "algorithms/slam/hybrid_loops.h"
 #include "algorithms/slam/metric_model.h"
+#include "algorithms/slam/metric_sight.h"
 #include "algorithms/slam/robust_views.h"
 
 namespace gaitcam {
@@ -62,12 +62,9 @@ constexpr auto WordsOf(LoopCorrection) {
 struct HybridSlamOptions {
   using DescribedTag = void;
 
-  std::string feature = "surf";
-  double sensitivity = 5;
-  int max_features = 500;
   // The fields of these are fields of these options.
+  MetricSightOptions sight;
   RobustViewOptions robust;
-  MetricModelOptions models;
   ModelLinkOptions links;
   PassSearchOptions search;
 
@@ -87,11 +84,8 @@ struct HybridSlamOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, HybridSlamOptions& o) {
-  visit("feature", o.feature, FeatureNames(), "detector and descriptor");
-  visit("sensitivity", o.sensitivity, Between(0.01, 1000.0), "the detector's threshold is divided by this");
-  visit("max_features", o.max_features, Between(10, 100000), "strongest features with a depth that are kept per frame");
+  VisitFields(visit, o.sight);
   VisitFields(visit, o.robust);
-  VisitFields(visit, o.models);
   VisitFields(visit, o.links);
   VisitFields(visit, o.search);
   visit("wheels_always", o.wheels_always, Nested(),
@@ -112,10 +106,12 @@ class HybridSlam {
   /// @throws BadInput if the camera has no depth or the feature is unknown; BadOption.
   HybridSlam(const Calibration& calibration, const HybridSlamOptions& options, uint64_t seed);
 
-  /// @throws BadInput if an image has not the calibration's size, or a frame has no depth.
+  /// @throws BadInput as MetricSight::See.
   FrameEstimate Track(const Observation& observation);
   /// The final estimate of every frame, as its model stands at the end.
   std::vector<FrameEstimate> Finish();
+  /// All that it takes to find one's way again. After Finish().
+  RouteMap Learned() const;
   /// A node for each model. Covariances of the nodes are set after Finish(), of correction `graph`.
   const PoseGraph& graph() const { return graph_; }
 
@@ -139,8 +135,6 @@ class HybridSlam {
     cv::Mat depth;
   };
 
-  void CheckFrame(const Observation& observation) const;
-  MetricModel SeenIn(const Observation& observation) const;
   std::optional<Stand> Locate(const MetricModel& seen, FrameEstimate& answer);
   std::optional<Stand> WithWheels(const Stand& seen, int64_t stamp_ns) const;
   std::optional<Stand> LinkWith(int model, const MetricModel& seen);
@@ -166,7 +160,7 @@ class HybridSlam {
   HybridSlamOptions options_;
   ModelLinkOptions loop_links_;
   RandomStream random_;
-  cv::Ptr<cv::Feature2D> detector_;
+  MetricSight sight_;
   RobustViews robust_;
   BodyTrack body_;
   PassSearch search_;

@@ -1,5 +1,7 @@
 #include "algorithms/slam/metric_model.h"
 
+#include <limits>
+
 #include "algorithms/features/matching.h"
 #include "algorithms/geometry/depth_image.h"
 
@@ -26,22 +28,40 @@ std::vector<PointMatch> PointsOf(const std::vector<Match>& matches, const Metric
 
 MetricModel MakeMetricModel(const Features& features, const cv::Mat& depth, const Calibration& calibration,
                             const MetricModelOptions& options) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  std::vector<double> depth_m;
+  for (const cv::KeyPoint& keypoint : features.keypoints)
+    depth_m.push_back(DepthAt(depth, {keypoint.pt.x, keypoint.pt.y}).value_or(kNone));
+  return MakeMetricModel(features, depth_m, calibration, options);
+}
+
+MetricModel MakeMetricModel(const Features& features, const std::vector<double>& depth_m,
+                            const Calibration& calibration, const MetricModelOptions& options) {
   MetricModel model;
   std::vector<cv::Mat> rows;
   for (int i = 0; i < features.size(); ++i) {
     const cv::KeyPoint& keypoint = features.keypoints[size_t(i)];
-    const Eigen::Vector2d pixel(keypoint.pt.x, keypoint.pt.y);
-    const std::optional<double> z = DepthAt(depth, pixel);
-    if (!z || *z > options.max_depth_m) continue;
-    const Eigen::Vector3d ray = calibration.camera.Unproject(pixel);
+    const double z = depth_m[size_t(i)];
+    if (z > options.max_depth_m) continue;
+    const Eigen::Vector3d ray = calibration.camera.Unproject({keypoint.pt.x, keypoint.pt.y});
     const double sigma = (options.sigma_px + options.sigma_per_size * double(keypoint.size)) / calibration.camera.fx;
     model.features.keypoints.push_back(keypoint);
-    model.p_C.emplace_back(*z * ray);
-    model.covariance.push_back(PointCovariance(ray, *z, sigma, calibration.depth.Sigma(*z)));
+    model.p_C.emplace_back(z * ray);
+    model.covariance.push_back(PointCovariance(ray, z, sigma, calibration.depth.Sigma(z)));
     rows.push_back(features.descriptors.row(i));
   }
   if (!rows.empty()) cv::vconcat(rows, model.features.descriptors);
   return model;
+}
+
+MappedView ToMappedView(const MetricModel& model) {
+  MappedView view{model.features.keypoints, model.features.descriptors, {}};
+  for (const Eigen::Vector3d& p_C : model.p_C) view.depth_m.push_back(p_C.z());
+  return view;
+}
+
+MetricModel FromMappedView(const MappedView& view, const Calibration& calibration, const MetricModelOptions& options) {
+  return MakeMetricModel({view.keypoints, view.descriptors}, view.depth_m, calibration, options);
 }
 
 std::optional<ModelLink> LinkModels(const MetricModel& from, const MetricModel& to, const ModelLinkOptions& options,

@@ -15,6 +15,7 @@
 #include "algorithms/core/camera.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/core/random.h"
+#include "algorithms/core/route_map.h"
 #include "algorithms/core/se3.h"
 #include "algorithms/features/features.h"
 #include "algorithms/features/match_filter.h"
@@ -48,6 +49,14 @@ struct MetricModel {
 /// @param depth CV_32FC1, m, of the camera's size.
 MetricModel MakeMetricModel(const Features& features, const cv::Mat& depth, const Calibration& calibration,
                             const MetricModelOptions& options);
+
+/// The same of features whose depths are known: those beyond max_depth_m are left out. @param depth_m of each feature.
+MetricModel MakeMetricModel(const Features& features, const std::vector<double>& depth_m,
+                            const Calibration& calibration, const MetricModelOptions& options);
+
+/// What a map keeps of a model, and the model again.
+MappedView ToMappedView(const MetricModel& model);
+MetricModel FromMappedView(const MappedView& view, const Calibration& calibration, const MetricModelOptions& options);
 
 struct ModelLinkOptions {
   using DescribedTag = void;

@@ -10,6 +10,7 @@
 #include "algorithms/odometry/two_view_vo.h"
 #include "algorithms/slam/appearance_slam.h"
 #include "algorithms/slam/floor_slam.h"
+#include "algorithms/slam/hybrid_drive.h"
 #include "algorithms/slam/hybrid_slam.h"
 #include "algorithms/slam/pose_slam.h"
 #include "algorithms/slam/settings.h"
@@ -122,6 +123,7 @@ class PoseGraphSystem : public System {
     FinalEstimate answer;
     answer.frames = slam_.Finish();
     answer.maps.emplace_back(slam_.graph());
+    if constexpr (requires { slam_.Learned(); }) answer.maps.emplace_back(slam_.Learned());
     return answer;
   }
 
@@ -148,6 +150,19 @@ class TopoSlamSystem : public System {
 
  private:
   TopoSlam slam_;
+};
+
+class HybridDriveSystem : public System {
+ public:
+  explicit HybridDriveSystem(const SystemSetup& setup)
+      : drive_(setup.calibration, setup.map, OptionsFrom<HybridDriveOptions>(setup.settings, "hybrid_drive"),
+               setup.seed) {}
+  FrameEstimate Track(const Observation& observation) override { return drive_.Track(observation); }
+  FinalEstimate Finish() override { return {{}, {drive_.drive()}, {}}; }
+  BodyCommand Command() const override { return drive_.command(); }
+
+ private:
+  HybridDrive drive_;
 };
 
 /// A system by name, whose options say what it is.
@@ -207,6 +222,13 @@ std::vector<Entry> MakeEntries() {
           "pirf_nav", "a map of views that learns its words as it walks, and knows places by them (PIRF-nav 2.0)"),
       AppearanceEntry<IcgmSlamOptions>(
           "icgm_slam", "pirf_nav's map with features and loops that the geometry of crowds bears out (Hua 4.2)"),
+      {{"hybrid_drive",
+        "drives to a goal by a map that hybrid_slam learned, and waits for people in its way (Hua 6.1.2)",
+        ListFields(HybridDriveOptions()),
+        {SensorNeed::kDepth, SensorNeed::kOdometry},
+        true,
+        MapUse::kNeeded},
+       [](const SystemSetup& setup) { return std::make_unique<HybridDriveSystem>(setup); }},
       PoseGraphEntry<HybridSlam, HybridSlamOptions>(
           "hybrid_slam", "depth camera and wheels among people: linked views in space, loops by appearance (Hua 6.1)",
           SensorNeed::kDepth),
@@ -245,6 +267,7 @@ bool Has(SensorNeed need, const Calibration& calibration, bool has_joints) {
     case SensorNeed::kImu: return calibration.imu.rate_hz > 0;
     case SensorNeed::kJoints: return has_joints;
     case SensorNeed::kStandingCamera: return calibration.standing.has_value();
+    case SensorNeed::kOdometry: return calibration.odometry.rate_hz > 0;
   }
   GAITCAM_ASSERT(false);
   return false;

@@ -18,6 +18,7 @@
 #include "algorithms/core/field_list.h"
 #include "algorithms/core/observation.h"
 #include "algorithms/core/option_value.h"
+#include "algorithms/core/route_map.h"
 
 namespace gaitcam {
 
@@ -30,6 +31,7 @@ struct SystemSetup {
   Calibration calibration;
   uint64_t seed = 1;        ///< All randomness of the system derives from it.
   SystemSettings settings;  ///< Checked by the system: unknown names and bad values throw BadOption.
+  std::shared_ptr<const RouteMap> map = nullptr;  ///< What it is to know beforehand, if SystemInfo::map says so.
 };
 
 /// A SLAM system or odometry: frames in, poses out, in order. Deterministic: the same setup and observations give the
@@ -53,14 +55,19 @@ enum class SensorNeed {
   kImu,             ///< Observation::imu.
   kJoints,          ///< Observation::joints.
   kStandingCamera,  ///< Calibration::standing.
+  kOdometry,        ///< Observation::odometry.
 };
 
 constexpr auto WordsOf(SensorNeed) {
   return std::array{EnumWord{SensorNeed::kStereo, "stereo"}, EnumWord{SensorNeed::kDepth, "depth"},
                     EnumWord{SensorNeed::kImu, "imu"}, EnumWord{SensorNeed::kJoints, "joints"},
-                    EnumWord{SensorNeed::kStandingCamera, "standing_camera"}};
+                    EnumWord{SensorNeed::kStandingCamera, "standing_camera"},
+                    EnumWord{SensorNeed::kOdometry, "odometry"}};
 }
 inline std::string ToString(SensorNeed need) { return std::string(ToWord(need)); }
+
+/// Whether a system starts from a map that was learned before.
+enum class MapUse { kNone, kNeeded };
 
 /// What is known of a system without building one.
 struct SystemInfo {
@@ -70,6 +77,7 @@ struct SystemInfo {
   std::vector<SensorNeed> needs;   ///< Without these it cannot work; what it uses if it is there is not listed.
   bool acts = false;               ///< It gives commands to the body: the walk waits for its answer to each frame, and
                                    ///< recorded walks are not for it.
+  MapUse map = MapUse::kNone;
 
   SystemSettings Defaults() const;
 };

@@ -20,10 +20,10 @@ GroundDrawing::GroundDrawing(const std::vector<Vector2d>& points) {
   high_ += Vector2d::Constant(5 * unit_);
 }
 
-std::string GroundDrawing::Path(const std::vector<Vector2d>& points) const {
+std::string GroundDrawing::Path(const std::vector<Vector2d>& points, const char* kind) const {
   std::string list;
   for (const Vector2d& p : points) list += fmt::format("{:.3f},{:.3f} ", x(p), y(p));
-  return fmt::format("<polyline class=\"path\" points=\"{}\"/>", list);
+  return fmt::format("<polyline class=\"{}\" points=\"{}\"/>", kind, list);
 }
 
 std::string GroundDrawing::Line(const Vector2d& a, const Vector2d& b, const char* kind) const {

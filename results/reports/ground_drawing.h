@@ -19,7 +19,7 @@ class GroundDrawing {
   double unit() const { return unit_; }  ///< A hundredth of the larger side, m.
 
   /// @param kind class of the element in page.css
-  std::string Path(const std::vector<Eigen::Vector2d>& points) const;
+  std::string Path(const std::vector<Eigen::Vector2d>& points, const char* kind = "path") const;
   std::string Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const char* kind) const;
   std::string Circle(const Eigen::Vector2d& p, double radius_m, const std::string& kind) const;
   /// The figure with this content.

@@ -16,6 +16,7 @@ std::string Title(ScoreGroup group) {
     case ScoreGroup::kConsistency: return "Stated uncertainty";
     case ScoreGroup::kMap: return "Map";
     case ScoreGroup::kLoops: return "Places and loops";
+    case ScoreGroup::kDrive: return "Navigation";
     case ScoreGroup::kTiming: return "Time and memory: differ from run to run";
   }
   GAITCAM_ASSERT(false);

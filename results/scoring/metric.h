@@ -28,6 +28,7 @@ enum class ScoreGroup {
   kConsistency,
   kMap,
   kLoops,
+  kDrive,
   kTiming
 };
 

@@ -1,5 +1,6 @@
 #include "results/scoring/score_catalogue.h"
 
+#include "results/scoring/drive_score.h"
 #include "results/scoring/floor_pose.h"
 #include "results/scoring/floor_score.h"
 #include "results/scoring/place_graph_score.h"
@@ -19,6 +20,7 @@ std::vector<Score> MapScoreCatalogue() {
   for (const Score& score : NamesOf(FloorPoseMetrics())) catalogue.push_back(score);
   for (const Score& score : NamesOf(PlaceGraphMetrics())) catalogue.push_back(score);
   for (const Score& score : NamesOf(PoseGraphMetrics())) catalogue.push_back(score);
+  for (const Score& score : NamesOf(DriveMetrics())) catalogue.push_back(score);
   return catalogue;
 }
 

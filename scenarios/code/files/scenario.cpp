@@ -8,6 +8,7 @@
 #include "algorithms/core/units.h"
 #include "algorithms/geometry/stereo_reconstruction.h"
 #include "algorithms/io/checksum.h"
+#include "algorithms/io/route_map_file.h"
 #include "models/code/scenes/scene_crowd.h"
 #include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
@@ -166,6 +167,37 @@ void CheckRig(const OptionValue& root, const Scenario& scenario) {
                 names_setting ? message.substr(dot + 1, colon - dot - 1) : "", message);
 }
 
+/// The map that the system is to know, where it takes one. @throws BadInput naming the key.
+void ReadMap(const OptionValue& root, ResolvedScenario& resolved) {
+  Scenario& scenario = resolved.scenario;
+  MapUse use = MapUse::kNone;
+  try {
+    use = InfoOf(scenario.system).map;
+  } catch (const BadInput& e) {
+    FailAtSystem(root, e.what());
+  }
+  if (!scenario.map) {
+    if (use != MapUse::kNeeded) return;
+    root.Fail(scenario.system.name +
+              " drives by a map that was learned before; set map to the folder of a run of hybrid_slam (gaitcam run "
+              "scenarios/cafeteria_learn.yaml)");
+  }
+  const OptionValue node = root.Child("map");
+  if (use == MapUse::kNone) node.Fail(scenario.system.name + " takes no map; hybrid_drive does");
+  fs::path file = *scenario.map;
+  if (file.is_relative() && !fs::exists(file)) file = root.folder() / file;
+  if (fs::is_directory(file)) file /= kRouteMapName;
+  if (!fs::exists(file))
+    node.Fail("there is no map " + file.string() + "; expected the folder of a run that learned one, or its route.map");
+  resolved.map_file = fs::absolute(file).lexically_normal();
+  scenario.map = resolved.map_file.string();
+  try {
+    resolved.map = std::make_shared<const RouteMap>(ReadRouteMap(resolved.map_file));
+  } catch (const BadInput& e) {
+    node.Fail(e.what());
+  }
+}
+
 }  // namespace
 
 ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::string>& assignments, ModelShelf* shelf) {
@@ -235,6 +267,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   CheckRig(root, scenario);
   const OptionValue system = root.Has("system") ? root.Child("system") : root;
   ResolveFiles(system, root.folder(), scenario.system);
+  ReadMap(root, resolved);
   try {
     calibration.imu.rate_hz = scenario.sensors.imu_rate_hz;
     if (scenario.sensors.odometry) calibration.odometry.rate_hz = scenario.sensors.odometry->rate_hz;
@@ -242,7 +275,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     if (const std::optional<std::string> lack = LackInScenario(InfoOf(scenario.system), calibration)) {
       system.Fail(*lack);
     }
-    CheckSettings(scenario.system, calibration);
+    CheckSettings(scenario.system, calibration, resolved.map);
   } catch (const BadInput& e) {
     FailAtSystem(root, e.what());
   }
@@ -293,6 +326,7 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
   scenario.robot = resolved.robot.name;
   scenario.scene = resolved.scene.name;
   scenario.video = {};
+  scenario.map.reset();
   for (PersonOptions& person : scenario.people) person.name = "";
   if (frames_only) {
     scenario.system = {};
@@ -321,6 +355,7 @@ std::string TextToHash(const ResolvedScenario& resolved, bool frames_only) {
   files.insert(files.end(), resolved.scene.bases.begin(), resolved.scene.bases.end());
   files.insert(files.end(), meshes.begin(), meshes.end());
   files.insert(files.end(), resolved.scene.pictures.begin(), resolved.scene.pictures.end());
+  if (!frames_only) files.push_back(resolved.map_file);
   for (const fs::path& file : files) text += file.empty() ? "" : "\n" + Sha256OfFile(file);
   return text;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -111,6 +112,7 @@ struct Scenario {
   std::optional<HeadScanOptions> scan;
   std::optional<LocalisationOptions> localisation;
   SystemChoice system;
+  std::optional<std::string> map;
   std::optional<uint64_t> system_seed;
   VariationOptions variation;
   CalibrationErrorOptions calibration_error;
@@ -143,6 +145,8 @@ void VisitFields(Visitor& visit, Scenario& o) {
   visit("system", o.system, Nested(),
         "SLAM system: a name, {name: ..., setting: ...}, or somebody else's: {plugin: ...}, {process: ...}, {command: "
         "...}");
+  visit("map", o.map, Nested(),
+        "what the system knows beforehand: the folder of a run that learned a map, or its route.map");
   visit("system_seed", o.system_seed, Nested(), "randomness of the SLAM system alone; absent: as seed");
   visit("variation", o.variation, Nested(),
         "what differs from seed to seed as in repeats of an experiment: none, repeat, or single things");
@@ -160,6 +164,8 @@ struct ResolvedScenario {
   Scene scene;                           ///< As the seed finds it, with all people.
   std::optional<Eigen::Vector3d> start;  ///< Of this seed: x m, y m, yaw deg; absent: as the scene says.
   std::filesystem::path file;
+  std::shared_ptr<const RouteMap> map;  ///< Of `scenario.map`, if it names one.
+  std::filesystem::path map_file;
 
   /// The whole scenario as YAML, every default written out but a `camera.renderer` that is left to the machine; reading
   /// it again gives the same run.

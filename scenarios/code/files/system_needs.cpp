@@ -19,6 +19,9 @@ NeedText TextOf(SensorNeed need) {
     case SensorNeed::kDepth: return {"depth images", "camera.depth to true", "depth images (has_depth: true)"};
     case SensorNeed::kImu: return {"an IMU", "sensors.imu_rate_hz to a rate above 0", "an IMU (imu.rate_hz above 0)"};
     case SensorNeed::kJoints: return {"joint encoders", "robot to one that has joints", "joint readings (joints.csv)"};
+    case SensorNeed::kOdometry:
+      return {"the body's odometry", "sensors.odometry.rate_hz to a rate above 0",
+              "odometry (odometry.csv, odometry.rate_hz above 0)"};
     case SensorNeed::kStandingCamera:
       return {"to know how the camera stands", "robot to one that stands", "how the camera stands (standing)"};
   }

@@ -127,7 +127,7 @@ std::optional<Scores> ScoreInto(const TrackedWalk& walk, const ResolvedScenario&
   if (!walk.blur_px.empty()) record.blur_median_px = UpperMedian(walk.blur_px);
   const double poses = double(walk.estimate.ToTrajectory().size());
   record.scores["coverage_ratio"] = walk.stamps.empty() ? 0 : poses / double(walk.stamps.size());
-  const RunScores run = ScoreRun(walk.estimate, walk.truth, walk.stamps, resolved.scene, resolved.scenario.score);
+  const RunScores run = ScoreRun(walk.estimate, walk.truth, walk.stamps, resolved);
   record.not_scored = run.not_scored;
   if (!run.scores) return std::nullopt;
   for (const Score& score : run.scores->scores) record.scores[score.name] = score.value;

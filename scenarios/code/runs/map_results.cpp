@@ -5,14 +5,20 @@
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 
+#include "algorithms/core/clock.h"
 #include "algorithms/core/errors.h"
 #include "algorithms/io/landmark_map_file.h"
 #include "algorithms/io/occupancy_grid_file.h"
 #include "algorithms/io/place_graph_file.h"
 #include "algorithms/io/pose_graph_file.h"
+#include "algorithms/io/route_map_file.h"
+#include "algorithms/io/whole_file.h"
+#include "models/code/people/person_walk.h"
+#include "results/reports/report_drive.h"
 #include "results/reports/report_graph.h"
 #include "results/reports/report_map.h"
 #include "results/reports/report_poses.h"
+#include "results/scoring/drive_score.h"
 #include "results/scoring/floor_pose.h"
 #include "results/scoring/place_graph_score.h"
 #include "scenarios/code/runs/mapped_floor.h"
@@ -30,6 +36,18 @@ void WritePanoramas(const PlaceGraph& graph, const fs::path& folder) {
     if (!cv::imwrite(file.string(), graph.nodes[n].panorama))
       throw MissingResource(file.string() + ": cannot be written");
   }
+}
+
+/// Where the middle of each person's body is, seen from above.
+PeopleAt PeopleOf(const Scene& scene) {
+  std::vector<PersonWalk> walks(scene.people.begin(), scene.people.end());
+  return [walks = std::move(walks)](int64_t stamp_ns) {
+    std::vector<Eigen::Vector2d> at;
+    for (const PersonWalk& walk : walks) {
+      at.emplace_back(walk.At(SecondsIntoWalk(stamp_ns))[size_t(PersonPart::kHips)].translation.head<2>());
+    };
+    return at;
+  };
 }
 
 }  // namespace
@@ -74,6 +92,24 @@ MapResult ResultOf(const LandmarkMap& map, const MapContext&) {
 MapResult ResultOf(const OccupancyGrid& map, const MapContext&) {
   MapResult result;
   result.write = [&map](const fs::path& folder) { WriteOccupancyGrid(folder / "grid.yaml", map); };
+  return result;
+}
+
+MapResult ResultOf(const RouteMap& map, const MapContext&) {
+  MapResult result;
+  result.write = [&map](const fs::path& folder) { WriteRouteMap(folder / kRouteMapName, map); };
+  return result;
+}
+
+MapResult ResultOf(const TaughtDrive& map, const MapContext& context) {
+  const auto comparison = std::make_shared<const DriveComparison>(
+      CompareDrive(map, {context.truth, context.taught, PeopleOf(context.scene)}));
+  MapResult result;
+  result.scores = comparison->scores;
+  result.write = [comparison, &map](const fs::path& folder) {
+    WriteWholeFile(folder / "drive.csv", DriveCsv(map, *comparison));
+  };
+  result.section = [comparison, &map] { return DriveReportSection(*comparison, map); };
   return result;
 }
 

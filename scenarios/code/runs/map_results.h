@@ -21,6 +21,7 @@ namespace gaitcam {
 struct MapContext {
   const Scene& scene;
   const Trajectory& truth;        ///< X_WC of the camera.
+  const Trajectory& taught;       ///< X_WC of the walk that taught the map that the run was given; empty if unknown.
   const Scores& poses;            ///< Their SE(3) alignment moves the map into the world of the truth.
   PlaceGraphScoreOptions places;  ///< When its loops are right.
 };
@@ -41,6 +42,11 @@ MapResult ResultOf(const PlaceGraph& map, const MapContext& context);
 MapResult ResultOf(const LandmarkMap& map, const MapContext& context);
 /// grid.png and grid.yaml, as ROS's map_server reads them.
 MapResult ResultOf(const OccupancyGrid& map, const MapContext& context);
+
+/// route.map, and scores of nothing: what it is worth shows when somebody drives by it.
+MapResult ResultOf(const RouteMap& map, const MapContext& context);
+/// drive.csv.
+MapResult ResultOf(const TaughtDrive& map, const MapContext& context);
 
 /// graph.g2o.
 MapResult ResultOf(const PoseGraph& map, const MapContext& context);

@@ -1,16 +1,47 @@
 #include "scenarios/code/runs/run_scores.h"
 
+#include <filesystem>
+#include <utility>
+
 #include "algorithms/core/errors.h"
+#include "algorithms/io/trajectory_file.h"
 
 namespace gaitcam {
 
-RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
-                   const Scene& scene, const ScoreOptions& options) {
-  RunScores run;
-  const bool graph_alone = FindMap<PlaceGraph>(estimate.maps) && estimate.ToTrajectory().empty();
+namespace {
+
+/// Of the walk that taught the map; empty if the file has gone elsewhere without it.
+Trajectory TaughtTruth(const ResolvedScenario& resolved) {
+  if (!resolved.map) return {};
+  const std::filesystem::path file = resolved.map_file.parent_path() / "truth.txt";
+  if (!std::filesystem::exists(file)) return {};
+  return ReadTrajectory(file, TrajectoryFormat::kTum).trajectory;
+}
+
+Scores ScorePoses(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
+                  const ScoreOptions& options) {
+  if (FindMap<PlaceGraph>(estimate.maps) && estimate.ToTrajectory().empty()) return ScoreWithoutPoses(estimate);
   try {
-    Scores scores = graph_alone ? ScoreWithoutPoses(estimate) : ScoreEstimate(estimate, truth, frame_stamps, options);
-    run.maps = ResultsOf(estimate.maps, {scene, truth, scores, options.places.value_or(PlaceGraphScoreOptions())});
+    return ScoreEstimate(estimate, truth, frame_stamps, options);
+  } catch (const TooLittleData& e) {
+    if (!FindMap<TaughtDrive>(estimate.maps)) throw;
+    Scores scores = ScoreWithoutPoses(estimate);
+    scores.remarks.push_back(std::string("poses are not scored: ") + e.what());
+    return scores;
+  }
+}
+
+}  // namespace
+
+RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
+                   const ResolvedScenario& resolved) {
+  RunScores run;
+  const ScoreOptions& options = resolved.scenario.score;
+  try {
+    Scores scores = ScorePoses(estimate, truth, frame_stamps, options);
+    const Trajectory taught = TaughtTruth(resolved);
+    run.maps = ResultsOf(estimate.maps,
+                         {resolved.scene, truth, taught, scores, options.places.value_or(PlaceGraphScoreOptions())});
     for (const MapResult& map : run.maps) {
       scores.scores.insert(scores.scores.end(), map.scores.begin(), map.scores.end());
     }

@@ -10,8 +10,8 @@
 
 #include "algorithms/core/estimate.h"
 #include "algorithms/core/trajectory.h"
-#include "models/code/scenes/scene.h"
 #include "results/scoring/score.h"
+#include "scenarios/code/files/scenario.h"
 #include "scenarios/code/runs/map_results.h"
 
 namespace gaitcam {
@@ -23,10 +23,10 @@ struct RunScores {
 };
 
 /// Scores of maps follow those of the poses. A system that gives a graph of places and no poses is scored by its graph
-/// alone. The result refers to `estimate`
-/// and `truth`, which must outlive it.
+/// alone; so is one that drives by a map and hardly ever finds itself in it. Where the walk that taught that map truly
+/// went is read from truth.txt beside the map. The result refers to `estimate` and `truth`, which must outlive it.
 RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
-                   const Scene& scene, const ScoreOptions& options);
+                   const ResolvedScenario& resolved);
 
 /// Each map's files into a run's folder. @throws MissingResource if one cannot be written.
 void WriteMaps(const RunScores& scores, const std::filesystem::path& folder);

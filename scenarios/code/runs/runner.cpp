@@ -193,7 +193,7 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   const Estimate estimate = TrackLive(simulation, tracker, live);
   progress.Finish();
 
-  const RunScores run = ScoreRun(estimate, log.truth(), log.stamps(), resolved.scene, scenario.score);
+  const RunScores run = ScoreRun(estimate, log.truth(), log.stamps(), resolved);
   ReportInput report;
   report.scores = run.scores ? &*run.scores : nullptr;
   report.no_scores_reason = run.not_scored;

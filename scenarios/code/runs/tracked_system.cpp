@@ -11,7 +11,7 @@ std::unique_ptr<System> MakeTrackedSystem(const ResolvedScenario& resolved, cons
   const Scenario& scenario = resolved.scenario;
   const CalibrationError error = DrawCalibrationError(scenario.calibration_error, resolved.robot, scenario.seed);
   const SystemSetup setup{FalsifiedCalibration(Miscalibrated(calibration, error), scenario.handicap),
-                          scenario.system_seed.value_or(scenario.seed), scenario.system.settings};
+                          scenario.system_seed.value_or(scenario.seed), scenario.system.settings, resolved.map};
   std::unique_ptr<System> system = MakeSystem(scenario.system, setup, folder);
   if (IsHandicap(scenario.handicap)) {
     system = std::make_unique<HandicappedSystem>(std::move(system), scenario.handicap, setup.seed);

@@ -48,8 +48,9 @@ std::unique_ptr<System> MakeSystem(const SystemChoice& choice, const SystemSetup
   return std::make_unique<ProcessSystem>(OptionsOf(choice), told, log);
 }
 
-void CheckSettings(const SystemChoice& choice, const Calibration& calibration) {
-  const SystemSetup setup{calibration, 1, choice.settings};
+void CheckSettings(const SystemChoice& choice, const Calibration& calibration,
+                   const std::shared_ptr<const RouteMap>& map) {
+  const SystemSetup setup{calibration, 1, choice.settings, map};
   if (!choice.IsForeign()) MakeSystem(choice.name, setup);
   if (choice.plugin) ProcessSystem(OptionsOf(choice), setup, "/dev/null");
 }

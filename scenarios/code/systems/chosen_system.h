@@ -19,7 +19,9 @@ std::unique_ptr<System> MakeSystem(const SystemChoice& choice, const SystemSetup
                                    const std::filesystem::path& folder);
 
 /// Checks the settings as far as that costs little: of ours and of a library's. @throws BadInput, BadOption.
-void CheckSettings(const SystemChoice& choice, const Calibration& calibration);
+/// @param map of a system that starts from one.
+void CheckSettings(const SystemChoice& choice, const Calibration& calibration,
+                   const std::shared_ptr<const RouteMap>& map = nullptr);
 
 /// "bubblewrap", "none: bubblewrap is not installed", or "" for one of ours: how the system is kept from what is not
 /// for it.

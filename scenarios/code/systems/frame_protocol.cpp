@@ -262,12 +262,14 @@ struct CommandJson {
   Json operator()(FollowPath) const { return "follow_path"; }
   Json operator()(Scan) const { return "scan"; }
   Json operator()(const Velocity& v) const { return {{"velocity", {v.forward_mps, v.left_mps, v.turn_rad_s}}}; }
+  Json operator()(EndWalk) const { return "end_walk"; }
   Json operator()(const GoTo& g) const { return {{"go_to", {g.x_m, g.y_m, g.heading_rad}}}; }
 };
 
 BodyCommand CommandOf(const Json& json) {
   if (json == "follow_path") return FollowPath();
   if (json == "scan") return Scan();
+  if (json == "end_walk") return EndWalk();
   if (json.is_object() && json.contains("velocity")) {
     const Eigen::Vector3d v = VectorOf(json.at("velocity"), "velocity");
     return Velocity{v.x(), v.y(), v.z()};
@@ -276,7 +278,7 @@ BodyCommand CommandOf(const Json& json) {
     const Eigen::Vector3d v = VectorOf(json.at("go_to"), "go_to");
     return GoTo{v.x(), v.y(), v.z()};
   }
-  throw BadInput("command: expected follow_path, scan, {velocity: ...} or {go_to: ...}");
+  throw BadInput("command: expected follow_path, scan, end_walk, {velocity: ...} or {go_to: ...}");
 }
 
 void AddMap(const LandmarkMap& map, Json& maps) {

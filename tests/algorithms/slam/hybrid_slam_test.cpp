@@ -7,20 +7,11 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/planar_pose.h"
 #include "tests/algorithms/odometry/odometry_trials.h"
+#include "tests/algorithms/slam/taught_room.h"
 #include "tests/error_of.h"
 
 namespace gaitcam {
 namespace {
-
-Calibration DepthAndWheels() {
-  Calibration calibration = OneCamera();
-  calibration.has_depth = true;
-  calibration.odometry.rate_hz = 60;
-  calibration.odometry.X_BC = LookingForward({0.1, 0, 0.5}, 0, -0.3, 0);
-  calibration.odometry.position_per_sqrt_m = 0.02;
-  calibration.odometry.heading_per_sqrt_m = 0.01;
-  return calibration;
-}
 
 /// 50 cm to the side and back to where it began, in 40 frames, with wheels that say so.
 const Film& OutAndBack() {
@@ -47,7 +38,7 @@ const Film& OutAndBack() {
 
 HybridSlamOptions Near() {
   HybridSlamOptions options;
-  options.sensitivity = 4;  // small pictures with noise: the weakest features are of the noise
+  options.sight.sensitivity = 4;  // small pictures with noise: the weakest features are of the noise
   options.model_m = 0.03;
   options.search.apart_models = 4;
   return options;

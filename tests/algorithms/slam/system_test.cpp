@@ -14,6 +14,20 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
+/// For systems that drive by a map; nobody finds himself in it.
+std::shared_ptr<const RouteMap> MapOfOnePoint(const CameraModel& camera) {
+  RouteMap map;
+  map.camera = camera;
+  map.feature = "surf";
+  map.graph.nodes.emplace_back();
+  MappedView view;
+  view.keypoints.emplace_back(100.0F, 100.0F, 5.0F);
+  view.descriptors = cv::Mat::ones(1, 64, CV_32FC1);
+  view.depth_m = {1};
+  map.views.push_back(view);
+  return std::make_shared<const RouteMap>(map);
+}
+
 SystemSetup SetupWith(const SystemSettings& settings = {}) {
   SystemSetup setup;
   setup.calibration.camera = CameraModel::FromHorizontalFov(320, 240, 60);
@@ -21,6 +35,8 @@ SystemSetup SetupWith(const SystemSettings& settings = {}) {
   setup.calibration.X_LR.translation.x() = 0.06;
   setup.calibration.standing = StandingCamera{0.3, -Eigen::Vector3d::UnitY()};
   setup.calibration.has_depth = true;
+  setup.calibration.odometry.rate_hz = 50;
+  setup.map = MapOfOnePoint(setup.calibration.camera);
   setup.settings = settings;
   return setup;
 }
@@ -49,6 +65,8 @@ TEST(Systems, WhatTheyNeedIsKnownWithoutBuildingThem) {
   EXPECT_EQ(InfoOfSystem("hybrid_slam").needs, std::vector{SensorNeed::kDepth});
   EXPECT_TRUE(InfoOfSystem("topo_slam").acts);
   EXPECT_FALSE(InfoOfSystem("mobif_vo_plus").acts);
+  EXPECT_EQ(InfoOfSystem("hybrid_drive").map, MapUse::kNeeded);
+  EXPECT_EQ(InfoOfSystem("hybrid_slam").map, MapUse::kNone);
   EXPECT_THAT(ErrorOf([] { InfoOfSystem("sift_v0"); }), HasSubstr("did you mean sift_vo?"));
   for (const SystemInfo& info : ListSystems()) {
     for (const FieldInfo& option : info.options) {
@@ -59,14 +77,16 @@ TEST(Systems, WhatTheyNeedIsKnownWithoutBuildingThem) {
 }
 
 TEST(Systems, ASensorIsMissingExactlyWhenTheCalibrationHasNone) {
-  const std::vector<SensorNeed> all = {SensorNeed::kStereo, SensorNeed::kDepth, SensorNeed::kImu, SensorNeed::kJoints,
-                                       SensorNeed::kStandingCamera};
+  const std::vector<SensorNeed> all = {SensorNeed::kStereo, SensorNeed::kDepth,    SensorNeed::kImu,
+                                       SensorNeed::kJoints, SensorNeed::kOdometry, SensorNeed::kStandingCamera};
   Calibration calibration;
   EXPECT_EQ(MissingSensors(all, calibration, false), all);
   calibration.right.emplace();
   calibration.has_depth = true;
-  EXPECT_EQ(MissingSensors(all, calibration, true), (std::vector{SensorNeed::kImu, SensorNeed::kStandingCamera}));
+  EXPECT_EQ(MissingSensors(all, calibration, true),
+            (std::vector{SensorNeed::kImu, SensorNeed::kOdometry, SensorNeed::kStandingCamera}));
   calibration.imu.rate_hz = 100;
+  calibration.odometry.rate_hz = 50;
   calibration.standing.emplace();
   EXPECT_TRUE(MissingSensors(all, calibration, true).empty());
 }

@@ -1,0 +1,53 @@
+/// How a robot went by a map that it was taught: the route it chose, and what it knew and did at each frame.
+///
+/// The taught floor frame F is the body's frame where the map's first view was taken: origin on the floor below the
+/// trunk, x forward, y left.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "algorithms/core/enum_words.h"
+#include "algorithms/core/planar_pose.h"
+#include "algorithms/core/pose.h"
+
+namespace gaitcam {
+
+enum class DriveState {
+  kSearching,  ///< It does not know where it is, or whether this is the goal; it stands.
+  kDriving,    ///< ... along its route.
+  kWaiting,    ///< Something is in its way; it stands, or slows down to stand.
+  kArrived,
+};
+constexpr auto WordsOf(DriveState) {
+  return std::array{EnumWord{DriveState::kSearching, "searching"}, EnumWord{DriveState::kDriving, "driving"},
+                    EnumWord{DriveState::kWaiting, "waiting"}, EnumWord{DriveState::kArrived, "arrived"}};
+}
+
+struct DriveStep {
+  int64_t stamp_ns = 0;
+  DriveState state = DriveState::kSearching;
+  bool confirmed = false;  ///< A view of the map says where it is; else the wheels alone do.
+  bool found = false;      ///< It was found in the whole map: a start, or after being carried off.
+  PlanarPose X_FB;         ///< Of the body, if it knows.
+};
+
+/// A way that was planned along views of the map.
+struct DriveRoute {
+  int from_step = 0;              ///< Of TaughtDrive::steps.
+  bool around = false;            ///< Since the one before was blocked.
+  std::vector<int64_t> views_ns;  ///< Stamps of its views, of the walk that taught them.
+  std::vector<PlanarPose> X_FB;   ///< Of the body at each.
+};
+
+struct TaughtDrive {
+  Pose X_BC;              ///< Of the calibration that it drove with.
+  int64_t taught_ns = 0;  ///< Stamp of the map's first view, on the walk that taught it: where F is.
+  Eigen::Vector2d goal_m = Eigen::Vector2d::Zero();  ///< In F.
+  std::vector<DriveRoute> routes;                    ///< One after the other.
+  std::vector<DriveStep> steps;
+};
+
+}  // namespace gaitcam

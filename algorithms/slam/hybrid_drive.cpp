@@ -1,0 +1,171 @@
+#include "algorithms/slam/hybrid_drive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "algorithms/core/errors.h"
+#include "algorithms/core/pose.h"
+
+namespace gaitcam {
+namespace {
+
+constexpr double kGoal_m = 0.5;                           // a goal farther from all views is off the map
+constexpr double kStart_m = 1.0;                          // likewise of where the robot finds itself
+constexpr double kArrived_m = 0.03;                       // short of the goal
+constexpr double kBrake_mps2 = 0.25, kReaction_s = 0.25;  // a frame
+
+std::shared_ptr<const RouteMap> NeedMap(std::shared_ptr<const RouteMap> map) {
+  if (!map) throw BadInput("hybrid_drive needs a map to drive by; set map to a run of hybrid_slam");
+  return map;
+}
+
+const Calibration& NeedWheels(const Calibration& calibration) {
+  if (calibration.odometry.rate_hz > 0) return calibration;
+  throw BadInput("hybrid_drive needs the body's odometry, which the calibration does not have (odometry.rate_hz)");
+}
+
+}  // namespace
+
+HybridDrive::HybridDrive(const Calibration& calibration, std::shared_ptr<const RouteMap> map,
+                         const HybridDriveOptions& options, uint64_t seed)
+    : options_(options),
+      sight_(NeedWheels(calibration), options.sight, "hybrid_drive"),
+      body_(calibration.odometry),
+      localizer_(calibration, NeedMap(map), options.sight.feature, options.sight.models, options.localizer, seed),
+      guard_(calibration, options.guard),
+      ways_(*map),
+      map_(map) {
+  CheckFields(options, "hybrid_drive.");
+  drive_.X_BC = calibration.odometry.X_BC;
+  drive_.taught_ns = map_->graph.nodes.front().stamp_ns;
+  drive_.goal_m = {options.goal_x_m, options.goal_y_m};
+  goal_ = ways_.Nearest(drive_.goal_m, kGoal_m);
+  if (goal_ >= 0) return;
+  const int nearest = ways_.Nearest(drive_.goal_m, 1e9);
+  const Eigen::Vector2d there = ways_.At(nearest).position;
+  throw BadInput("hybrid_drive.goal_x_m: the goal is off the map, whose nearest way passes at " +
+                 std::to_string(there.x()) + ", " + std::to_string(there.y()) + " m; expected one within 0.5 m of it");
+}
+
+FrameEstimate HybridDrive::Track(const Observation& observation) {
+  const int64_t stamp_ns = observation.stamp_ns;
+  body_.Add(observation.odometry);
+  const MetricModel seen = sight_.See(observation);
+  const std::optional<MapLocalizer::Fix> fix = localizer_.Locate(stamp_ns, seen, body_);
+  body_.Forget(stamp_ns);
+  DriveStep step;
+  step.stamp_ns = stamp_ns;
+  if (fix) {
+    step.confirmed = fix->view >= 0;
+    step.found = fix->found;
+    step.X_FB = ways_.InFloor(fix->X_WC);
+    if (fix->found) guard_.Forget();
+    guard_.See(stamp_ns, step.X_FB, observation.depth->pixels);
+    if (route_.empty() || fix->found) Plan(step.X_FB);
+  }
+  command_ = Velocity();
+  if (fix && !route_.empty()) step.state = Drive(step);
+  drive_.steps.push_back(step);
+  return AnswerOf(stamp_ns, seen, fix);
+}
+
+FrameEstimate HybridDrive::AnswerOf(int64_t stamp_ns, const MetricModel& seen,
+                                    const std::optional<MapLocalizer::Fix>& fix) const {
+  FrameEstimate answer;
+  answer.stamp_ns = stamp_ns;
+  answer.features = seen.features.size();
+  answer.status = drive_.routes.empty() ? TrackingStatus::kInitializing : TrackingStatus::kLost;
+  if (!fix) return answer;
+  answer.inliers = fix->inliers;
+  answer.matches = fix->matches;
+  if (fix->view < 0) {
+    answer.status = TrackingStatus::kLost;
+    answer.predicted = fix->X_WC;
+    return answer;
+  }
+  answer.status = TrackingStatus::kTracking;
+  answer.pose = fix->X_WC;
+  answer.covariance = fix->covariance;
+  return answer;
+}
+
+/// From where it is. A robot that is off every taught way, or past the last one to its goal, has no route, and stands.
+void HybridDrive::Plan(const PlanarPose& X_FB) {
+  const int start = ways_.Nearest(X_FB, kStart_m);
+  Take(start < 0 ? std::vector<int>() : ways_.Shortest(start, goal_), X_FB, false);
+}
+
+/// Another way, none of whose views lies in what is blocked; the old one if there is none.
+void HybridDrive::PlanAround(const PlanarPose& X_FB) {
+  constexpr double kBlocked_m = 1.5;
+  const int start = ways_.Nearest(X_FB, kStart_m);
+  if (start < 0) return;
+  std::set<int> closed;
+  const Eigen::Vector2d block = route_.At(along_m_ + kBlocked_m / 2).position;
+  for (int v = 0; v < ways_.size(); ++v) {
+    if (v != start && (ways_.At(v).position - block).norm() < kBlocked_m / 2) closed.insert(v);
+  }
+  const std::vector<int> way = ways_.Shortest(start, goal_, closed);
+  if (!way.empty()) Take(way, X_FB, true);
+}
+
+void HybridDrive::Take(const std::vector<int>& views, const PlanarPose& X_FB, bool around) {
+  DriveRoute route{int(drive_.steps.size()), around, {}, {}};
+  for (const int view : views) {
+    route.views_ns.push_back(map_->graph.nodes[size_t(view)].stamp_ns);
+    route.X_FB.push_back(ways_.At(view));
+  }
+  route_ = Route(route.X_FB);
+  along_m_ = route_.Nearest(X_FB.position, 0, kStart_m);
+  if (!views.empty()) drive_.routes.push_back(std::move(route));
+}
+
+/// Arrived is only who sees that he is there.
+DriveState HybridDrive::Drive(const DriveStep& step) {
+  const PlanarPose& X_FB = step.X_FB;
+  constexpr double kBack_m = 0.3, kOn_m = 0.8;  // how far from where it was a frame ago it may be along the route
+  along_m_ = route_.Nearest(X_FB.position, along_m_ - kBack_m, along_m_ + kOn_m);
+  const double left_m = route_.length_m() - along_m_;
+  if (left_m <= kArrived_m && !step.confirmed) return DriveState::kSearching;
+  if (left_m <= kArrived_m) {
+    command_ = EndWalk();
+    return DriveState::kArrived;
+  }
+  const double free_m = guard_.FreeWay([&](double ahead_m) { return route_.At(along_m_ + ahead_m).position; });
+  const double allowed = std::min(SpeedBefore(free_m), guard_.SpeedAmongWalkers(kBrake_mps2, kReaction_s));
+  const double speed = std::min({options_.speed_mps, allowed, SpeedBefore(left_m) + 0.02});
+  if (speed >= 0.02) {
+    waits_since_ns_.reset();
+    command_ = Steer(X_FB, speed);
+    return allowed < options_.speed_mps ? DriveState::kWaiting : DriveState::kDriving;
+  }
+  command_ = Velocity();
+  if (!waits_since_ns_) waits_since_ns_ = step.stamp_ns;
+  if (1e-9 * double(step.stamp_ns - *waits_since_ns_) >= options_.patience_s) {
+    waits_since_ns_ = step.stamp_ns;
+    PlanAround(X_FB);
+  }
+  return DriveState::kWaiting;
+}
+
+/// From which the base comes to stand in so many metres.
+double HybridDrive::SpeedBefore(double free_m) const { return std::sqrt(2 * kBrake_mps2 * std::max(0.0, free_m)); }
+
+/// Eq. 6.5 as a velocity in the body's frame.
+Velocity HybridDrive::Steer(const PlanarPose& X_FB, double speed_mps) const {
+  constexpr double kMost_mps = 0.15;  // sideways
+  const double direction = route_.DirectionAt(along_m_);
+  const Eigen::Vector2d tangent(std::cos(direction), std::sin(direction)), left(-tangent.y(), tangent.x());
+  const double beside_m = left.dot(X_FB.position - route_.At(along_m_).position);
+  const double back_mps = std::clamp(-options_.lateral_gain * beside_m, -kMost_mps, kMost_mps);
+  const Eigen::Vector2d velocity = Rotate(speed_mps * tangent + back_mps * left, -X_FB.heading);
+  constexpr double kStep_m = 0.1;
+  const double turn_per_m =
+      (route_.At(along_m_ + kStep_m).heading - route_.At(along_m_ - kStep_m).heading) / (2 * kStep_m);
+  const double turned = WrapAngle(X_FB.heading - route_.At(along_m_).heading);
+  return {velocity.x(), velocity.y(), speed_mps * turn_per_m - options_.heading_gain * turned};
+}
+
+}  // namespace gaitcam

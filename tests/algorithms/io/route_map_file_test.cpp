@@ -1,0 +1,120 @@
+#include "algorithms/io/route_map_file.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "tests/algorithms/io/file_test.h"
+
+namespace gaitcam {
+namespace {
+
+std::string BytesOf(const std::filesystem::path& file) {
+  std::ostringstream out;
+  out << std::ifstream(file, std::ios::binary).rdbuf();
+  return out.str();
+}
+
+/// Three views with floats or bytes for descriptors, the last without any; a link along the way and a loop.
+RouteMap SmallMap(int descriptor_type) {
+  RouteMap map;
+  map.camera = CameraModel::FromHorizontalFov(320, 240, 60);
+  map.feature = "surf";
+  map.X_BC = Pose(RotZ(0.1), {0.1, 0, 0.5});
+  for (int n = 0; n < 3; ++n) {
+    GraphNode node{1'000'000'000 + n, Pose(RotZ(0.2 * n), {0.3 * n, 0.1, 0}), 0.01 * Matrix6d::Identity()};
+    map.graph.nodes.push_back(node);
+  }
+  map.graph.nodes.front().covariance.setZero();
+  map.graph.candidates = 30;
+  map.graph.links.push_back({0, 1, Pose(RotZ(0.2), {0.3, 0, 0}), Matrix6d::Identity(), false, 1, true});
+  map.graph.links.push_back({0, 2, Pose(RotZ(0.4), {0.6, 0, 0}), 2 * Matrix6d::Identity(), true, 0.25, false});
+  cv::RNG random(3);
+  for (int v = 0; v < 2; ++v) {
+    MappedView view;
+    for (int i = 0; i < 5 + v; ++i) {
+      view.keypoints.emplace_back(float(10 * i) + 0.25F, float(20 + v), 7.5F, 33.0F, 0.125F, 2, 1);
+      view.depth_m.push_back(0.5 + i);
+    }
+    view.descriptors = cv::Mat(5 + v, 16, descriptor_type);
+    random.fill(view.descriptors, cv::RNG::UNIFORM, descriptor_type == CV_8UC1 ? 0 : -1,
+                descriptor_type == CV_8UC1 ? 256 : 1);
+    map.views.push_back(view);
+  }
+  map.views.emplace_back();
+  return map;
+}
+
+class RouteMapFile : public FileTest {
+ protected:
+  std::filesystem::path Written(int descriptor_type = CV_32FC1) const {
+    WriteRouteMap(folder_ / "route.map", SmallMap(descriptor_type));
+    return folder_ / "route.map";
+  }
+  /// What reading the file says, if these are its bytes.
+  std::string ErrorWith(const std::string& bytes) const {
+    const std::filesystem::path file = Write("bad.map", bytes);
+    return ErrorOf([&] { ReadRouteMap(file); });
+  }
+};
+
+TEST_F(RouteMapFile, KeepsAllButTheLastDigitsOfDescriptors) {
+  for (const int type : {CV_32FC1, CV_8UC1}) {
+    const RouteMap map = SmallMap(type), read = ReadRouteMap(Written(type));
+    EXPECT_EQ(read.feature, map.feature);
+    EXPECT_EQ(read.camera.fx, map.camera.fx);
+    EXPECT_EQ(read.X_BC.translation, map.X_BC.translation);
+    EXPECT_EQ(read.graph.candidates, 30);
+    ASSERT_EQ(read.graph.nodes.size(), 3u);
+    EXPECT_EQ(read.graph.nodes[2].stamp_ns, 1'000'000'002);
+    EXPECT_EQ(read.graph.nodes[2].X_WC.rotation.coeffs(), map.graph.nodes[2].X_WC.rotation.coeffs());
+    EXPECT_EQ(read.graph.nodes[1].covariance, map.graph.nodes[1].covariance);
+    ASSERT_EQ(read.graph.links.size(), 2u);
+    EXPECT_TRUE(read.graph.links[0].dead_reckoned);
+    EXPECT_EQ(read.graph.links[1].trust, 0.25);
+    EXPECT_EQ(read.graph.links[1].covariance, map.graph.links[1].covariance);
+    ASSERT_EQ(read.views.size(), 3u);
+    for (size_t v = 0; v < 2; ++v) {
+      const MappedView &a = map.views[v], &b = read.views[v];
+      ASSERT_EQ(a.keypoints.size(), b.keypoints.size());
+      EXPECT_EQ(a.keypoints.back().pt, b.keypoints.back().pt);
+      EXPECT_EQ(a.keypoints.back().octave, b.keypoints.back().octave);
+      EXPECT_EQ(a.depth_m, b.depth_m);
+      ASSERT_EQ(b.descriptors.type(), type);
+      // Half a step of a signed byte, of numbers up to 1; bytes as they were.
+      EXPECT_LE(cv::norm(a.descriptors, b.descriptors, cv::NORM_INF), type == CV_8UC1 ? 0 : 0.5 / 127 + 1e-6);
+    }
+    EXPECT_TRUE(read.views[2].keypoints.empty());
+  }
+}
+
+TEST_F(RouteMapFile, IsTheSameBytesWhenItIsWrittenAgain) {
+  const std::string first = BytesOf(Written());
+  WriteRouteMap(folder_ / "again.map", ReadRouteMap(folder_ / "route.map"));
+  EXPECT_EQ(BytesOf(folder_ / "again.map"), first);
+}
+
+TEST_F(RouteMapFile, ThatIsDamagedOrCutOffIsRefused) {
+  const std::string whole = BytesOf(Written());
+  for (size_t at = 25; at < whole.size(); at += 101) {
+    std::string damaged = whole;
+    damaged[at] = char(damaged[at] ^ 1);
+    EXPECT_NE(ErrorWith(damaged).find("bad.map: it is damaged or cut off"), std::string::npos) << at;
+    EXPECT_NE(ErrorWith(whole.substr(0, at)).find("cut off"), std::string::npos) << at;
+  }
+}
+
+TEST_F(RouteMapFile, OfAnotherKindOrVersionIsRefused) {
+  std::string other = BytesOf(Written());
+  other.replace(other.find(" 1\n"), 3, " 2\n");
+  EXPECT_NE(ErrorWith(other).find("another version; expected 1"), std::string::npos);
+  EXPECT_NE(ErrorWith("stamp_ns,x\n").find("no route map"), std::string::npos);
+  EXPECT_NE(ErrorWith("").find("no route map"), std::string::npos);
+  EXPECT_NE(ErrorOf([&] { ReadRouteMap(folder_ / "none.map"); }).find("cannot be read"), std::string::npos);
+  EXPECT_NE(ErrorOf([&] { ReadRouteMap(folder_); }).find("cannot be read"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gaitcam

@@ -1,0 +1,163 @@
+#include "algorithms/slam/hybrid_drive.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/algorithms/slam/taught_room.h"
+#include "tests/error_of.h"
+
+namespace gaitcam {
+namespace {
+
+HybridDriveOptions ToGoal(double x_m, double y_m = 0) {
+  HybridDriveOptions options;
+  options.goal_x_m = x_m;
+  options.goal_y_m = y_m;
+  options.sight.sensitivity = 4;
+  options.localizer.relocalise_inliers = 15;  // a small picture has few features
+  return options;
+}
+
+/// A drive in the room, in which something may befall the robot before each frame, or what it sees.
+struct Drive {
+  std::vector<PlanarPose> path;  ///< True, at each frame.
+  TaughtDrive said;
+  std::vector<FrameEstimate> answers;
+  bool ended = false;
+
+  using Befalls = std::function<void(int frame, RoomBase& base)>;
+  using Seen = std::function<void(int frame, const PlanarPose& X_WB, Observation& observation)>;
+
+  Drive(const HybridDriveOptions& options, const PlanarPose& start, int most_frames, const Befalls& befalls = {},
+        const Seen& seen = {}) {
+    HybridDrive drive(DepthAndWheels(), TaughtLane(), options, 1);
+    RoomBase base(start);
+    for (int frame = 0; frame < most_frames && !ended; ++frame) {
+      if (befalls) befalls(frame, base);
+      Observation observation = base.Look();
+      if (seen) seen(frame, base.X_WB(), observation);
+      answers.push_back(drive.Track(observation));
+      path.push_back(base.X_WB());
+      ended = std::holds_alternative<EndWalk>(drive.command());
+      if (!ended) base.Drive(std::get<Velocity>(drive.command()));
+    }
+    said = drive.drive();
+  }
+
+  Eigen::Vector2d TrueInF(int frame) const { return kTaughtStart.Inverse() * path[size_t(frame)].position; }
+  int Count(DriveState state) const {
+    return int(std::count_if(said.steps.begin(), said.steps.end(), [&](const auto& s) { return s.state == state; }));
+  }
+};
+
+// As of hybrid_slam's own test: a pixel is 14 mm on a wall 3 m away, fits are of dozens of features.
+constexpr double kRoomTolerance_m = 0.02;
+
+TEST(HybridDrive, DrivesBackToTheTaughtWayAndStopsAtItsGoal) {
+  const Drive drive(ToGoal(1.2), kTaughtStart * PlanarPose({0.05, 0.08}, -0.08), 60);
+  ASSERT_TRUE(drive.ended);
+  EXPECT_EQ(drive.said.steps.back().state, DriveState::kArrived);
+  EXPECT_TRUE(drive.said.steps.front().found);
+  const int last = int(drive.path.size()) - 1;
+  // Views are 0.1 m apart, and it stops as soon as 3 cm are left.
+  EXPECT_LT((drive.TrueInF(last) - Eigen::Vector2d(1.2, 0)).norm(), 0.05 + 0.03 + kRoomTolerance_m);
+  EXPECT_LT(std::abs(drive.TrueInF(last).y()), kRoomTolerance_m) << "it began 8 cm beside the way";
+  EXPECT_LT(std::abs(drive.path.back().heading - kTaughtStart.heading), 0.02);
+  for (int i = 0; i <= last; ++i) {
+    EXPECT_LT((drive.said.steps[size_t(i)].X_FB.position - drive.TrueInF(i)).norm(), kRoomTolerance_m) << i;
+    EXPECT_TRUE(drive.answers[size_t(i)].pose.has_value()) << i;
+  }
+}
+
+/// A column that stands in the way at so many metres of the taught floor frame, and covers a third of the view.
+void PutColumn(double x_m, const PlanarPose& X_WB, cv::Mat& depth) {
+  const Pose X_FC = (kTaughtStart.Inverse() * X_WB).Lifted() * DepthAndWheels().odometry.X_BC;
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = depth.cols / 3; u < 2 * depth.cols / 3; ++u) {
+      const double ahead = (X_FC.R() * kCamera.Unproject({double(u), double(v)})).x();
+      if (ahead <= 0) continue;
+      depth.at<float>(v, u) = std::min(depth.at<float>(v, u), float((x_m - X_FC.translation.x()) / ahead));
+    }
+  }
+}
+
+TEST(HybridDrive, WaitsForWhatStandsInItsWayAndGoesOnWhenItIsGone) {
+  constexpr double kColumn_m = 1.3;
+  constexpr int kComes = 4, kGone = 30;
+  const auto column = [](int frame, const PlanarPose& X_WB, Observation& observation) {
+    if (frame >= kComes && frame < kGone) PutColumn(kColumn_m, X_WB, observation.depth->pixels);
+  };
+  const Drive drive(ToGoal(1.2), kTaughtStart, 90, {}, column);
+  ASSERT_TRUE(drive.ended);
+  EXPECT_GT(drive.Count(DriveState::kWaiting), 10);
+  const double stood_m = drive.TrueInF(kGone).x();
+  EXPECT_LE(stood_m, kColumn_m - 0.52) << "body and clearance";
+  EXPECT_GT(stood_m, kColumn_m - 0.52 - 0.25);
+  EXPECT_LT((drive.path[kGone].position - drive.path[kGone - 5].position).norm(), 0.01);
+}
+
+TEST(HybridDrive, FindsItselfAgainWhereItWasCarriedTo) {
+  const auto carried = [](int frame, RoomBase& base) {
+    if (frame == 6) base.CarryTo(kTaughtStart * PlanarPose({0.1, 0}, 0.05));
+  };
+  const Drive drive(ToGoal(1.4), kTaughtStart * PlanarPose({0.8, 0}, 0), 100, carried);
+  ASSERT_TRUE(drive.ended);
+  EXPECT_EQ(std::count_if(drive.said.steps.begin(), drive.said.steps.end(), [](const auto& s) { return s.found; }), 2);
+  EXPECT_EQ(drive.said.routes.size(), 2u);
+  EXPECT_LT((drive.TrueInF(int(drive.path.size()) - 1) - Eigen::Vector2d(1.4, 0)).norm(), 0.1 + kRoomTolerance_m);
+}
+
+TEST(HybridDrive, StandsAsLongAsItDoesNotKnowWhereItIs) {
+  const auto dark = [](int, const PlanarPose&, Observation& observation) { observation.image.pixels.setTo(0); };
+  const Drive drive(ToGoal(1.2), kTaughtStart, 5, {}, dark);
+  EXPECT_EQ(drive.Count(DriveState::kSearching), 5);
+  EXPECT_EQ(drive.path.back().position, drive.path.front().position);
+  for (const FrameEstimate& answer : drive.answers) EXPECT_EQ(answer.status, TrackingStatus::kInitializing);
+}
+
+TEST(HybridDrive, CountsOnItsWheelsForPredictionsNotForPoses) {
+  const auto dark = [](int frame, const PlanarPose&, Observation& observation) {
+    if (frame >= 5 && frame < 10) observation.image.pixels.setTo(0);
+  };
+  const Drive drive(ToGoal(1.2), kTaughtStart, 12, {}, dark);
+  for (int i = 0; i < 12; ++i) {
+    const bool blind = i >= 5 && i < 10;
+    EXPECT_EQ(drive.answers[size_t(i)].pose.has_value(), !blind) << i;
+    EXPECT_EQ(drive.answers[size_t(i)].predicted.has_value(), blind) << i;
+    EXPECT_EQ(drive.said.steps[size_t(i)].confirmed, !blind) << i;
+  }
+}
+
+TEST(HybridDrive, IsTheSameTwice) {
+  const Drive a(ToGoal(0.5), kTaughtStart, 8), b(ToGoal(0.5), kTaughtStart, 8);
+  ASSERT_EQ(a.path.size(), b.path.size());
+  for (size_t i = 0; i < a.path.size(); ++i) EXPECT_EQ(a.path[i].position, b.path[i].position);
+}
+
+TEST(HybridDrive, RefusesWhatItCannotDriveBy) {
+  const auto error = [](const Calibration& calibration, const std::shared_ptr<const RouteMap>& map,
+                        const HybridDriveOptions& options) {
+    return ErrorOf([&] { HybridDrive(calibration, map, options, 1); });
+  };
+  const auto says = [](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  says(error(DepthAndWheels(), nullptr, ToGoal(1)), "needs a map to drive by");
+  says(error(DepthAndWheels(), TaughtLane(), ToGoal(1, 3)), "the goal is off the map");
+  Calibration other = DepthAndWheels();
+  other.odometry.rate_hz = 0;
+  says(error(other, TaughtLane(), ToGoal(1)), "needs the body's odometry");
+  other = DepthAndWheels();
+  other.camera = CameraModel::FromHorizontalFov(240, 180, 90);
+  says(error(other, TaughtLane(), ToGoal(1)), "learned with a camera of 240 x 180");
+  HybridDriveOptions options = ToGoal(1);
+  options.sight.feature = "orb";
+  says(error(DepthAndWheels(), TaughtLane(), options), "learned with feature");
+  RouteMap empty = *TaughtLane();
+  empty.views.assign(empty.views.size(), {});
+  says(error(DepthAndWheels(), std::make_shared<const RouteMap>(empty), ToGoal(1)), "shows nothing");
+}
+
+}  // namespace
+}  // namespace gaitcam
