@@ -18,12 +18,16 @@ struct MappedView {
   std::vector<double> depth_m;  ///< Of each, along the optical axis.
 };
 
+/// Stamps of a later session go on by so much: clocks of simulated walks all begin alike.
+inline constexpr int64_t kSessionApart_ns = 86'400'000'000'000;
+
 struct RouteMap {
   CameraModel camera;
-  std::string feature;            ///< Detector and descriptor, by name.
-  Pose X_BC;                      ///< Maps points of the camera into the body that carried it (OdometryCalibration).
-  PoseGraph graph;                ///< Its world W is the first camera.
-  std::vector<MappedView> views;  ///< Of each node, in their order; the last nodes may have none.
+  std::string feature;              ///< Detector and descriptor, by name.
+  Pose X_BC;                        ///< Maps points of the camera into the body that carried it (OdometryCalibration).
+  PoseGraph graph;                  ///< Its world W is the first camera.
+  std::vector<MappedView> views;    ///< Of each node, in their order; the last nodes may have none.
+  std::vector<int> sessions = {0};  ///< The first node of each walk that taught it.
 };
 
 }  // namespace gaitcam

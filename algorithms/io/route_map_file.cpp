@@ -116,6 +116,14 @@ PoseGraph GraphIn(const Json& json) {
   return graph;
 }
 
+std::vector<int> SessionsIn(const Json& json, size_t nodes) {
+  const std::vector<int> sessions = json.get<std::vector<int>>();
+  const bool rise = std::adjacent_find(sessions.begin(), sessions.end(), std::greater_equal<>()) == sessions.end();
+  if (sessions.empty() || sessions.front() != 0 || !rise || (nodes > 0 && size_t(sessions.back()) >= nodes))
+    throw BadInput("sessions that begin nowhere");
+  return sessions;
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // Views, as bytes.
 
@@ -187,8 +195,7 @@ void AppendView(std::string& bytes, const MappedView& view) {
 
 /// How many features a view has, and of what kind its descriptors are.
 Json SizeJson(const MappedView& view) {
-  GAITCAM_ASSERT(view.depth_m.size() == view.keypoints.size() &&
-                 view.descriptors.rows == int(view.keypoints.size()));
+  GAITCAM_ASSERT(view.depth_m.size() == view.keypoints.size() && view.descriptors.rows == int(view.keypoints.size()));
   if (view.keypoints.empty()) return {{"features", 0}};
   return {{"features", view.keypoints.size()},
           {"numbers", view.descriptors.cols},
@@ -230,7 +237,8 @@ std::string_view Checked(std::string_view bytes) {
   if (!bytes.starts_with(kMagic)) throw BadInput("a route map of another version; expected 1");
   if (bytes.size() < kMagic.size() + kChecksum) throw BadInput("it is cut off");
   const std::string_view checked = bytes.substr(0, bytes.size() - kChecksum);
-  if (Sha256(checked) != bytes.substr(checked.size())) throw BadInput("it is damaged or cut off: its checksum is wrong");
+  if (Sha256(checked) != bytes.substr(checked.size()))
+    throw BadInput("it is damaged or cut off: its checksum is wrong");
   return checked.substr(kMagic.size());
 }
 
@@ -246,6 +254,7 @@ RouteMap MapIn(std::string_view content) {
   map.X_BC = PoseIn(json.at("X_BC"));
   map.graph = GraphIn(json);
   if (json.at("views").size() != map.graph.nodes.size()) throw BadInput("it has not as many views as nodes");
+  map.sessions = SessionsIn(json.at("sessions"), map.graph.nodes.size());
   for (const Json& size : json.at("views")) map.views.push_back(TakeView(size, bytes));
   if (!bytes.empty()) throw BadInput("it is longer than its views");
   return map;
@@ -255,13 +264,10 @@ RouteMap MapIn(std::string_view content) {
 
 void WriteRouteMap(const std::filesystem::path& file, const RouteMap& map) {
   GAITCAM_ASSERT(map.views.size() == map.graph.nodes.size());
-  Json json{{"feature", map.feature},
-            {"camera", CameraJson(map.camera)},
-            {"X_BC", NumbersOf(map.X_BC)},
-            {"candidates", map.graph.candidates},
-            {"nodes", Json::array()},
-            {"links", Json::array()},
-            {"views", Json::array()}};
+  Json json{{"feature", map.feature},      {"camera", CameraJson(map.camera)},
+            {"X_BC", NumbersOf(map.X_BC)}, {"candidates", map.graph.candidates},
+            {"sessions", map.sessions},    {"nodes", Json::array()},
+            {"links", Json::array()},      {"views", Json::array()}};
   std::string data;
   for (const GraphNode& node : map.graph.nodes)
     json["nodes"].push_back(

@@ -8,6 +8,7 @@
 #include "algorithms/core/units.h"
 #include "algorithms/estimation/pose_graph_solver.h"
 #include "algorithms/estimation/semi_consensus.h"
+#include "algorithms/slam/map_merger.h"
 
 namespace gaitcam {
 
@@ -18,6 +19,7 @@ HybridSlamOptions::HybridSlamOptions() : robust(RobustViewOptions::By(Robustness
 HybridSlam::HybridSlam(const Calibration& calibration, const HybridSlamOptions& options, uint64_t seed)
     : calibration_(calibration),
       options_(options),
+      seed_(seed),
       loop_links_(options.links),
       random_(seed, "hybrid_slam"),
       sight_(calibration, options.sight, "hybrid_slam"),
@@ -321,8 +323,25 @@ std::vector<FrameEstimate> HybridSlam::Finish() {
   return answers;
 }
 
+void HybridSlam::CheckFits(const RouteMap& earlier) const {
+  ModelsOf(earlier, calibration_, options_.sight.feature, options_.sight.models);
+}
+
+RouteMap HybridSlam::LearnedAfter(const RouteMap& earlier) const {
+  MapMergeOptions options;
+  options.search = options_.search;
+  options.links = loop_links_;
+  options.models = options_.sight.models;
+  const RouteMap own = Learned();
+  return MergeRouteMaps(earlier, own, calibration_, options, seed_).value_or(own);
+}
+
 RouteMap HybridSlam::Learned() const {
-  RouteMap map{calibration_.camera, options_.sight.feature, calibration_.odometry.X_BC, graph_, {}};
+  RouteMap map;
+  map.camera = calibration_.camera;
+  map.feature = options_.sight.feature;
+  map.X_BC = calibration_.odometry.X_BC;
+  map.graph = graph_;
   for (const MetricModel& model : models_) map.views.push_back(ToMappedView(model));
   map.views.resize(graph_.nodes.size());
   return map;

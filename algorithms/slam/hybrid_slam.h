@@ -112,6 +112,11 @@ class HybridSlam {
   std::vector<FrameEstimate> Finish();
   /// All that it takes to find one's way again. After Finish().
   RouteMap Learned() const;
+  /// @throws BadInput if a map cannot be gone on with (ModelsOf).
+  void CheckFits(const RouteMap& earlier) const;
+  /// The same in one map with what earlier sessions learned; alone where it met nothing of it. @throws BadInput as
+  /// ModelsOf.
+  RouteMap LearnedAfter(const RouteMap& earlier) const;
   /// A node for each model. Covariances of the nodes are set after Finish(), of correction `graph`.
   const PoseGraph& graph() const { return graph_; }
 
@@ -158,6 +163,7 @@ class HybridSlam {
 
   Calibration calibration_;
   HybridSlamOptions options_;
+  uint64_t seed_;
   ModelLinkOptions loop_links_;
   RandomStream random_;
   MetricSight sight_;

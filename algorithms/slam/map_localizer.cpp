@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kChi2 = 22.46;  // 99.9 % of six degrees of freedom
 
-bool SameCamera(const CameraModel& a, const CameraModel& b) {
-  constexpr double kPart = 0.02;  // a calibration is repeated to better than that
-  return a.width_px == b.width_px && a.height_px == b.height_px && std::abs(a.fx / b.fx - 1) < kPart &&
-         std::abs(a.fy / b.fy - 1) < kPart;
-}
-
 Matrix6d MapCovariance(const MapLocalizerOptions& o) {
   Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(o.map_sigma_m), Eigen::Vector3d::Constant(kRadPerDeg * o.map_sigma_deg);
@@ -31,18 +25,7 @@ MapLocalizer::MapLocalizer(const Calibration& calibration, std::shared_ptr<const
                            const std::string& feature, const MetricModelOptions& models,
                            const MapLocalizerOptions& options, uint64_t seed)
     : map_(std::move(map)), options_(options), map_covariance_(MapCovariance(options)), random_(seed, "map_localizer") {
-  const CameraModel& camera = map_->camera;
-  if (!SameCamera(camera, calibration.camera)) {
-    throw BadInput("map: it was learned with a camera of " + std::to_string(camera.width_px) + " x " +
-                   std::to_string(camera.height_px) + " px, fx " + std::to_string(camera.fx) +
-                   "; this one has " + std::to_string(calibration.camera.width_px) + " x " +
-                   std::to_string(calibration.camera.height_px) + " px, fx " + std::to_string(calibration.camera.fx));
-  }
-  if (feature != map_->feature)
-    throw BadInput("map: it was learned with feature " + map_->feature + ", this is " + feature);
-  for (const MappedView& view : map_->views) models_.push_back(FromMappedView(view, calibration, models));
-  if (std::all_of(models_.begin(), models_.end(), [](const MetricModel& m) { return m.p_C.empty(); }))
-    throw BadInput("map: it shows nothing");
+  models_ = ModelsOf(*map_, calibration, feature, models);
 }
 
 std::optional<MapLocalizer::Fix> MapLocalizer::Locate(int64_t stamp_ns, const MetricModel& seen,
@@ -67,8 +50,12 @@ std::optional<MapLocalizer::Fix> MapLocalizer::CarriedOn(int64_t stamp_ns, const
   if (!last_) return std::nullopt;
   const std::optional<RelativePose> moved = body.Between(last_stamp_ns_, stamp_ns);
   if (!moved) return std::nullopt;
-  return Fix{last_->X_WC * moved->X_FT, CovarianceOfProduct(moved->X_FT, last_->covariance, moved->covariance), -1,
-             false, 0, 0};
+  return Fix{last_->X_WC * moved->X_FT,
+             CovarianceOfProduct(moved->X_FT, last_->covariance, moved->covariance),
+             -1,
+             false,
+             0,
+             0};
 }
 
 /// The nearest first.

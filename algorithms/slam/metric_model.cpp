@@ -64,6 +64,34 @@ MetricModel FromMappedView(const MappedView& view, const Calibration& calibratio
   return MakeMetricModel({view.keypoints, view.descriptors}, view.depth_m, calibration, options);
 }
 
+namespace {
+
+bool SameCamera(const CameraModel& a, const CameraModel& b) {
+  constexpr double kPart = 0.02;  // a calibration is repeated to better than that
+  return a.width_px == b.width_px && a.height_px == b.height_px && std::abs(a.fx / b.fx - 1) < kPart &&
+         std::abs(a.fy / b.fy - 1) < kPart;
+}
+
+}  // namespace
+
+std::vector<MetricModel> ModelsOf(const RouteMap& map, const Calibration& calibration, const std::string& feature,
+                                  const MetricModelOptions& options) {
+  const CameraModel &learned = map.camera, &now = calibration.camera;
+  if (!SameCamera(learned, now)) {
+    throw BadInput("map: it was learned with a camera of " + std::to_string(learned.width_px) + " x " +
+                   std::to_string(learned.height_px) + " px, fx " + std::to_string(learned.fx) + "; this one has " +
+                   std::to_string(now.width_px) + " x " + std::to_string(now.height_px) + " px, fx " +
+                   std::to_string(now.fx));
+  }
+  if (feature != map.feature)
+    throw BadInput("map: it was learned with feature " + map.feature + ", this is " + feature);
+  std::vector<MetricModel> models;
+  for (const MappedView& view : map.views) models.push_back(FromMappedView(view, calibration, options));
+  if (std::all_of(models.begin(), models.end(), [](const MetricModel& m) { return m.p_C.empty(); }))
+    throw BadInput("map: it shows nothing");
+  return models;
+}
+
 std::optional<ModelLink> LinkModels(const MetricModel& from, const MetricModel& to, const ModelLinkOptions& options,
                                     RandomStream& random) {
   MatchingOptions matching;

@@ -58,6 +58,10 @@ MetricModel MakeMetricModel(const Features& features, const std::vector<double>&
 MappedView ToMappedView(const MetricModel& model);
 MetricModel FromMappedView(const MappedView& view, const Calibration& calibration, const MetricModelOptions& options);
 
+/// Of all views of a map. @throws BadInput in one line if the map is of another camera or feature, or shows nothing.
+std::vector<MetricModel> ModelsOf(const RouteMap& map, const Calibration& calibration, const std::string& feature,
+                                  const MetricModelOptions& options);
+
 struct ModelLinkOptions {
   using DescribedTag = void;
   double ratio = 0.8;

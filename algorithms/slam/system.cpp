@@ -112,30 +112,37 @@ class FloorSlamSystem : public System {
   FloorSlam slam_;
 };
 
-/// A SLAM whose map is a pose graph, and whose options say what it is.
-template <class Slam, class Options>
-class PoseGraphSystem : public System {
+class PoseSlamSystem : public System {
  public:
-  PoseGraphSystem(const SystemSetup& setup, const std::string& name)
-      : slam_(setup.calibration, OptionsFrom<Options>(setup.settings, name), setup.seed) {}
+  explicit PoseSlamSystem(const SystemSetup& setup)
+      : slam_(setup.calibration, OptionsFrom<PoseSlamOptions>(setup.settings, "pose_slam"), setup.seed) {}
   FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
   FinalEstimate Finish() override {
-    FinalEstimate answer;
-    answer.frames = slam_.Finish();
-    answer.maps.emplace_back(slam_.graph());
-    if constexpr (requires { slam_.Learned(); }) answer.maps.emplace_back(slam_.Learned());
-    return answer;
+    std::vector<FrameEstimate> frames = slam_.Finish();
+    return {std::move(frames), {slam_.graph()}, {}};
   }
 
  private:
-  Slam slam_;
+  PoseSlam slam_;
 };
 
-template <class Slam, class Options>
-Entry PoseGraphEntry(const std::string& name, const std::string& description, SensorNeed need) {
-  return {{name, description, ListFields(Options()), {need}, false},
-          [name](const SystemSetup& setup) { return std::make_unique<PoseGraphSystem<Slam, Options>>(setup, name); }};
-}
+class HybridSlamSystem : public System {
+ public:
+  explicit HybridSlamSystem(const SystemSetup& setup)
+      : slam_(setup.calibration, OptionsFrom<HybridSlamOptions>(setup.settings, "hybrid_slam"), setup.seed),
+        earlier_(setup.map) {
+    if (earlier_) slam_.CheckFits(*earlier_);
+  }
+  FrameEstimate Track(const Observation& observation) override { return slam_.Track(observation); }
+  FinalEstimate Finish() override {
+    std::vector<FrameEstimate> frames = slam_.Finish();
+    return {std::move(frames), {slam_.graph(), earlier_ ? slam_.LearnedAfter(*earlier_) : slam_.Learned()}, {}};
+  }
+
+ private:
+  HybridSlam slam_;
+  std::shared_ptr<const RouteMap> earlier_;
+};
 
 class TopoSlamSystem : public System {
  public:
@@ -229,12 +236,19 @@ std::vector<Entry> MakeEntries() {
         true,
         MapUse::kNeeded},
        [](const SystemSetup& setup) { return std::make_unique<HybridDriveSystem>(setup); }},
-      PoseGraphEntry<HybridSlam, HybridSlamOptions>(
-          "hybrid_slam", "depth camera and wheels among people: linked views in space, loops by appearance (Hua 6.1)",
-          SensorNeed::kDepth),
-      PoseGraphEntry<PoseSlam, PoseSlamOptions>(
-          "pose_slam", "the odometry of stereo_vo, and a graph of its keyframes with loop closures and covariances",
-          SensorNeed::kStereo),
+      {{"hybrid_slam",
+        "depth camera and wheels among people: linked views in space, loops by appearance (Hua 6.1)",
+        ListFields(HybridSlamOptions()),
+        {SensorNeed::kDepth},
+        false,
+        MapUse::kTaken},
+       [](const SystemSetup& setup) { return std::make_unique<HybridSlamSystem>(setup); }},
+      {{"pose_slam",
+        "the odometry of stereo_vo, and a graph of its keyframes with loop closures and covariances",
+        ListFields(PoseSlamOptions()),
+        {SensorNeed::kStereo},
+        false},
+       [](const SystemSetup& setup) { return std::make_unique<PoseSlamSystem>(setup); }},
       {{"topo_slam",
         "a map of places seen all around, 170 bytes each; the robot scans as it asks (thesis, chapter 4)",
         ListFields(TopoSlamOptions()),

@@ -59,15 +59,21 @@ enum class SensorNeed {
 };
 
 constexpr auto WordsOf(SensorNeed) {
-  return std::array{EnumWord{SensorNeed::kStereo, "stereo"}, EnumWord{SensorNeed::kDepth, "depth"},
-                    EnumWord{SensorNeed::kImu, "imu"}, EnumWord{SensorNeed::kJoints, "joints"},
+  return std::array{EnumWord{SensorNeed::kStereo, "stereo"},
+                    EnumWord{SensorNeed::kDepth, "depth"},
+                    EnumWord{SensorNeed::kImu, "imu"},
+                    EnumWord{SensorNeed::kJoints, "joints"},
                     EnumWord{SensorNeed::kStandingCamera, "standing_camera"},
                     EnumWord{SensorNeed::kOdometry, "odometry"}};
 }
 inline std::string ToString(SensorNeed need) { return std::string(ToWord(need)); }
 
 /// Whether a system starts from a map that was learned before.
-enum class MapUse { kNone, kNeeded };
+enum class MapUse {
+  kNone,
+  kTaken,   ///< It goes on where earlier sessions ended, if it is given one.
+  kNeeded,  ///< It cannot work without one.
+};
 
 /// What is known of a system without building one.
 struct SystemInfo {

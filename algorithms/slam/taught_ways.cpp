@@ -18,6 +18,11 @@ constexpr double kAnotherPass_m = 3;  // a shortcut within one pass cuts the cor
 constexpr double kTogether_m = 0.6, kSameWay_rad = 30 * kRadPerDeg;  // of two passes
 constexpr double kChange_m = 0.2;                                    // what a change of pass costs, as way
 
+/// How many began at or before a view.
+long SessionOf(const RouteMap& map, int view) {
+  return std::upper_bound(map.sessions.begin(), map.sessions.end(), view) - map.sessions.begin();
+}
+
 double Apart_rad(double a, double b) { return std::abs(WrapAngle(a - b)); }
 
 }  // namespace
@@ -28,10 +33,12 @@ TaughtWays::TaughtWays(const RouteMap& map) : X_BC_(map.X_BC), steps_(map.graph.
     X_FB_.push_back(InFloor(node.X_WC));
     const int v = size() - 1;
     along_m.push_back(v == 0 ? 0 : along_m.back() + (At(v).position - At(v - 1).position).norm());
-    if (v > 0) AddStep(v - 1, v, 0);
+    const bool begins = std::find(map.sessions.begin(), map.sessions.end(), v) != map.sessions.end();
+    if (v > 0 && !begins) AddStep(v - 1, v, 0);
   }
   for (const GraphLink& link : map.graph.links) {
-    const bool another_pass = std::abs(along_m[size_t(link.from)] - along_m[size_t(link.to)]) > kAnotherPass_m;
+    const bool another_pass = SessionOf(map, link.from) != SessionOf(map, link.to) ||
+                              std::abs(along_m[size_t(link.from)] - along_m[size_t(link.to)]) > kAnotherPass_m;
     const bool together = (At(link.from).position - At(link.to).position).norm() < kTogether_m &&
                           Apart_rad(At(link.from).heading, At(link.to).heading) < kSameWay_rad;
     if (!link.loop || link.trust < kMostTrusted || !another_pass || !together) continue;

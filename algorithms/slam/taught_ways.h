@@ -3,9 +3,9 @@
 /// Source: Hua, section 6.1.2: "because the hybrid map keeps correct topological structure, Dijkstra's algorithm can be
 /// applied to path planning".
 ///
-/// A way goes from view to view in the order in which they were taken: there the robot sees what the map shows. From one
-/// pass to another of the same place it changes over where a loop closure joins views that lie together and face the
-/// same way.
+/// A way goes from view to view in the order in which they were taken: there the robot sees what the map shows. From
+/// one pass to another of the same place it changes over where a loop closure joins views that lie together and face
+/// the same way.
 
 #pragma once
 

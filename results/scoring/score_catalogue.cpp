@@ -6,6 +6,7 @@
 #include "results/scoring/place_graph_score.h"
 #include "results/scoring/pose_graph_score.h"
 #include "results/scoring/pose_metrics.h"
+#include "results/scoring/route_map_score.h"
 
 namespace gaitcam {
 
@@ -20,6 +21,7 @@ std::vector<Score> MapScoreCatalogue() {
   for (const Score& score : NamesOf(FloorPoseMetrics())) catalogue.push_back(score);
   for (const Score& score : NamesOf(PlaceGraphMetrics())) catalogue.push_back(score);
   for (const Score& score : NamesOf(PoseGraphMetrics())) catalogue.push_back(score);
+  for (const Score& score : NamesOf(RouteMapMetrics())) catalogue.push_back(score);
   for (const Score& score : NamesOf(DriveMetrics())) catalogue.push_back(score);
   return catalogue;
 }

@@ -183,7 +183,7 @@ void ReadMap(const OptionValue& root, ResolvedScenario& resolved) {
               "scenarios/cafeteria_learn.yaml)");
   }
   const OptionValue node = root.Child("map");
-  if (use == MapUse::kNone) node.Fail(scenario.system.name + " takes no map; hybrid_drive does");
+  if (use == MapUse::kNone) node.Fail(scenario.system.name + " takes no map; hybrid_drive and hybrid_slam do");
   fs::path file = *scenario.map;
   if (file.is_relative() && !fs::exists(file)) file = root.folder() / file;
   if (fs::is_directory(file)) file /= kRouteMapName;

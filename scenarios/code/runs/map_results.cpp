@@ -12,6 +12,7 @@
 #include "algorithms/io/place_graph_file.h"
 #include "algorithms/io/pose_graph_file.h"
 #include "algorithms/io/route_map_file.h"
+#include "algorithms/io/trajectory_file.h"
 #include "algorithms/io/whole_file.h"
 #include "models/code/people/person_walk.h"
 #include "results/reports/report_drive.h"
@@ -21,6 +22,7 @@
 #include "results/scoring/drive_score.h"
 #include "results/scoring/floor_pose.h"
 #include "results/scoring/place_graph_score.h"
+#include "results/scoring/route_map_score.h"
 #include "scenarios/code/runs/mapped_floor.h"
 
 namespace gaitcam {
@@ -36,6 +38,17 @@ void WritePanoramas(const PlaceGraph& graph, const fs::path& folder) {
     if (!cv::imwrite(file.string(), graph.nodes[n].panorama))
       throw MissingResource(file.string() + ": cannot be written");
   }
+}
+
+/// Of this run and, where its map goes on with one of earlier sessions, of those.
+Trajectory TruthOfSessions(const RouteMap& map, const MapContext& context) {
+  if (map.sessions.size() == 1) return context.truth;
+  Trajectory truth = context.taught;
+  for (StampedPose pose : context.truth) {
+    pose.stamp_ns += int64_t(map.sessions.size() - 1) * kSessionApart_ns;
+    truth.push_back(pose);
+  }
+  return truth;
 }
 
 /// Where the middle of each person's body is, seen from above.
@@ -95,9 +108,14 @@ MapResult ResultOf(const OccupancyGrid& map, const MapContext&) {
   return result;
 }
 
-MapResult ResultOf(const RouteMap& map, const MapContext&) {
+MapResult ResultOf(const RouteMap& map, const MapContext& context) {
+  const auto truth = std::make_shared<const Trajectory>(TruthOfSessions(map, context));
   MapResult result;
-  result.write = [&map](const fs::path& folder) { WriteRouteMap(folder / kRouteMapName, map); };
+  result.scores = CompareRouteMap(map, *truth).scores;
+  result.write = [&map, truth](const fs::path& folder) {
+    WriteRouteMap(folder / kRouteMapName, map);
+    if (map.sessions.size() > 1) WriteTrajectory(folder / kTaughtName, *truth, TrajectoryFormat::kTum);
+  };
   return result;
 }
 

@@ -43,7 +43,10 @@ MapResult ResultOf(const LandmarkMap& map, const MapContext& context);
 /// grid.png and grid.yaml, as ROS's map_server reads them.
 MapResult ResultOf(const OccupancyGrid& map, const MapContext& context);
 
-/// route.map, and scores of nothing: what it is worth shows when somebody drives by it.
+/// Beside the map of several sessions: X_WC of all of them, TUM format, stamps as the map's.
+inline constexpr const char* kTaughtName = "taught.txt";
+
+/// route.map and, of several sessions, taught.txt.
 MapResult ResultOf(const RouteMap& map, const MapContext& context);
 /// drive.csv.
 MapResult ResultOf(const TaughtDrive& map, const MapContext& context);

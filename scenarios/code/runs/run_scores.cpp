@@ -10,10 +10,11 @@ namespace gaitcam {
 
 namespace {
 
-/// Of the walk that taught the map; empty if the file has gone elsewhere without it.
+/// Of the walks that taught the map; empty if the file has gone elsewhere without it.
 Trajectory TaughtTruth(const ResolvedScenario& resolved) {
   if (!resolved.map) return {};
-  const std::filesystem::path file = resolved.map_file.parent_path() / "truth.txt";
+  std::filesystem::path file = resolved.map_file.parent_path() / kTaughtName;
+  if (!std::filesystem::exists(file)) file = resolved.map_file.parent_path() / "truth.txt";
   if (!std::filesystem::exists(file)) return {};
   return ReadTrajectory(file, TrajectoryFormat::kTum).trajectory;
 }

@@ -44,6 +44,7 @@ RouteMap SmallMap(int descriptor_type) {
     map.views.push_back(view);
   }
   map.views.emplace_back();
+  map.sessions = {0, 2};
   return map;
 }
 
@@ -67,6 +68,7 @@ TEST_F(RouteMapFile, KeepsAllButTheLastDigitsOfDescriptors) {
     EXPECT_EQ(read.camera.fx, map.camera.fx);
     EXPECT_EQ(read.X_BC.translation, map.X_BC.translation);
     EXPECT_EQ(read.graph.candidates, 30);
+    EXPECT_EQ(read.sessions, map.sessions);
     ASSERT_EQ(read.graph.nodes.size(), 3u);
     EXPECT_EQ(read.graph.nodes[2].stamp_ns, 1'000'000'002);
     EXPECT_EQ(read.graph.nodes[2].X_WC.rotation.coeffs(), map.graph.nodes[2].X_WC.rotation.coeffs());

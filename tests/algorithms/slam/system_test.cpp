@@ -66,7 +66,7 @@ TEST(Systems, WhatTheyNeedIsKnownWithoutBuildingThem) {
   EXPECT_TRUE(InfoOfSystem("topo_slam").acts);
   EXPECT_FALSE(InfoOfSystem("mobif_vo_plus").acts);
   EXPECT_EQ(InfoOfSystem("hybrid_drive").map, MapUse::kNeeded);
-  EXPECT_EQ(InfoOfSystem("hybrid_slam").map, MapUse::kNone);
+  EXPECT_EQ(InfoOfSystem("hybrid_slam").map, MapUse::kTaken);
   EXPECT_THAT(ErrorOf([] { InfoOfSystem("sift_v0"); }), HasSubstr("did you mean sift_vo?"));
   for (const SystemInfo& info : ListSystems()) {
     for (const FieldInfo& option : info.options) {

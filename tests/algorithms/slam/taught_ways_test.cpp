@@ -73,6 +73,15 @@ TEST(TaughtWays, CutsNoCornerByALinkWithinOnePass) {
   EXPECT_EQ(TaughtWays(maker.map).Shortest(0, 2), (std::vector<int>{0, 1, 2}));
 }
 
+TEST(TaughtWays, OneSessionIsNoWayOnFromTheOther) {
+  MapMaker maker;
+  maker.Lane(0, 0, 2, 0).Lane(0.1, 2, 4, 0);  // the second begins where the first ends
+  maker.map.sessions = {0, 3};
+  EXPECT_TRUE(TaughtWays(maker.map).Shortest(0, 5).empty());
+  maker.Link(2, 3, true);
+  EXPECT_EQ(TaughtWays(maker.map).Shortest(0, 5), (std::vector<int>{0, 1, 2, 3, 4, 5}));
+}
+
 TEST(TaughtWays, TheNearestViewFacesTheSameWay) {
   const TaughtWays ways(MapMaker().View(0, 0, 0).View(0.1, 0, 180).map);
   EXPECT_EQ(ways.Nearest(Vector2d(0.08, 0), 1), 1);

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <set>
 
+#include "results/scoring/drive_score.h"
 #include "results/scoring/floor_pose.h"
 #include "results/scoring/floor_score.h"
 #include "results/scoring/place_graph_score.h"
 #include "results/scoring/pose_graph_score.h"
+#include "results/scoring/route_map_score.h"
 #include "tests/results/scoring/synthetic.h"
 
 namespace gaitcam {
@@ -42,6 +44,10 @@ TEST(ScoreCatalogue, OfMapsIsWhatMapsAreScoredBy) {
   for (const Score& score : Evaluate(FloorPoseMetrics(), MeasureFloorPoses({}))) scores.push_back(score);
   for (const Score& score : ComparePlaceGraph({}, {StampedPose()}).scores) scores.push_back(score);
   for (const Score& score : ComparePoseGraph({}, {StampedPose()}).scores) scores.push_back(score);
+  for (const Score& score : CompareRouteMap({}, {StampedPose()}).scores) scores.push_back(score);
+  const Trajectory nowhere;
+  const PeopleAt nobody = [](int64_t) { return std::vector<Eigen::Vector2d>(); };
+  for (const Score& score : CompareDrive({}, {nowhere, nowhere, nobody}).scores) scores.push_back(score);
   EXPECT_THAT(Described(scores), testing::ElementsAreArray(Described(MapScoreCatalogue())));
 }
 
@@ -74,7 +80,7 @@ TEST(ScoreCatalogue, KnowsTheScoresOfMaps) {
   int loops = 0;
   for (const Score& score : MapScoreCatalogue()) {
     loops += score.name == "loops_false" && score.better == Better::kLower;
-    EXPECT_THAT(score.name, testing::MatchesRegex("(map|place|graph|loops?)_.*"));
+    EXPECT_THAT(score.name, testing::MatchesRegex("(map|place|graph|route|drive|loops?)_.*"));
     EXPECT_TRUE(std::isnan(score.value)) << score.name;
     if (score.name == "map_ncc") {
       EXPECT_EQ(score.better, Better::kHigher);

@@ -90,6 +90,21 @@ TEST_F(DriveRunTest, ARobotInTheDarkStandsAndTheScoresSaySo) {
   EXPECT_GT(ScoreOf("dark", "drive_searched_s"), 1);
 }
 
+TEST_F(DriveRunTest, ASecondSessionGoesOnWithTheMapOfTheFirst) {
+  ASSERT_EQ(learned_.exit_code, 0) << learned_.err;
+  const std::string another_day = "--seed 2 --set start=[-1.1,-2.2,3] --set variation.light_ratio=0.3";
+  const ProgramResult second = Run("run learn.yaml --out both --set map=learned --all " + another_day);
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_EQ(ScoreOf("both", "route_sessions"), 2);
+  EXPECT_GE(ScoreOf("both", "route_joins"), 5);
+  EXPECT_EQ(ScoreOf("both", "route_joins_false"), 0);
+  EXPECT_LT(ScoreOf("both", "route_error_rmse_m"), 0.03);
+  const ProgramResult drive = Run("run drive.yaml --out driven_by_both --set map=both");
+  ASSERT_EQ(drive.exit_code, 0) << drive.err;
+  EXPECT_EQ(ScoreOf("driven_by_both", "drive_goal_reached"), 1);
+  EXPECT_LT(ScoreOf("driven_by_both", "drive_deviation_mean_m"), 0.02);
+}
+
 TEST_F(DriveRunTest, AMapThatIsMissingDamagedOrOfAnotherCameraIsRefusedInOneLine) {
   ASSERT_EQ(learned_.exit_code, 0) << learned_.err;
   const auto refused = [&](const std::string& words, const std::string& part) {
