@@ -43,8 +43,9 @@ struct DriveRoute {
 };
 
 struct TaughtDrive {
-  Pose X_BC;              ///< Of the calibration that it drove with.
-  int64_t taught_ns = 0;  ///< Stamp of the map's first view, on the walk that taught it: where F is.
+  Pose X_BC;                 ///< Of the calibration that it drove with.
+  double half_view_rad = 0;  ///< Half of the camera's horizontal field of view, likewise.
+  int64_t taught_ns = 0;     ///< Stamp of the map's first view, on the walk that taught it: where F is.
   Eigen::Vector2d goal_m = Eigen::Vector2d::Zero();  ///< In F.
   std::vector<DriveRoute> routes;                    ///< One after the other.
   std::vector<DriveStep> steps;

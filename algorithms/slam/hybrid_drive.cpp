@@ -39,6 +39,7 @@ HybridDrive::HybridDrive(const Calibration& calibration, std::shared_ptr<const R
       map_(map) {
   CheckFields(options, "hybrid_drive.");
   drive_.X_BC = calibration.odometry.X_BC;
+  drive_.half_view_rad = std::atan(0.5 * calibration.camera.width_px / calibration.camera.fx);
   drive_.taught_ns = map_->graph.nodes.front().stamp_ns;
   drive_.goal_m = {options.goal_x_m, options.goal_y_m};
   goal_ = ways_.Nearest(drive_.goal_m, kGoal_m);

@@ -98,12 +98,14 @@ class NearPeople {
  public:
   NearPeople(const DriveScoreOptions& options, DriveComparison& comparison)
       : options_(options), comparison_(comparison) {
-    for (Approach* nearest : {&comparison.nearest, &comparison.while_towards, &comparison.by_own_motion})
+    for (Approach* nearest :
+         {&comparison.nearest, &comparison.while_towards, &comparison.by_own_motion, &comparison.in_view})
       nearest->clearance_m = std::numeric_limits<double>::infinity();
   }
 
-  /// @param motion of the robot since the instant before.
-  void Look(int64_t stamp_ns, const Vector2d& robot, const Vector2d& motion, const std::vector<Vector2d>& people) {
+  /// @param motion of the robot since the instant before. @param sees whether somebody there is in its camera's view.
+  void Look(int64_t stamp_ns, const Vector2d& robot, const Vector2d& motion, const std::vector<Vector2d>& people,
+            const std::function<bool(const Vector2d&)>& sees) {
     touched_.resize(people.size(), false);
     const bool moves = motion.norm() > kMoving_mps * 1e-9 * double(kSample_ns);
     for (size_t i = 0; i < people.size(); ++i) {
@@ -114,8 +116,13 @@ class NearPeople {
       const double theirs_m = i < before_.size() ? (before_[i] - people[i]).dot(way) : 0;
       const bool towards = moves && approach_m > 0;
       if (towards) Note(clearance_m, stamp_ns, comparison_.while_towards);
-      if (towards && approach_m > theirs_m) Note(clearance_m, stamp_ns, comparison_.by_own_motion);
-      if (towards && clearance_m < 0 && !touched_[i]) ++comparison_.touches;
+      const bool its_own = towards && approach_m > theirs_m;
+      if (its_own) Note(clearance_m, stamp_ns, comparison_.by_own_motion);
+      if (its_own && sees(people[i])) Note(clearance_m, stamp_ns, comparison_.in_view);
+      if (towards && clearance_m < 0 && !touched_[i]) {
+        ++comparison_.touches;
+        if (sees(people[i])) ++comparison_.touches_in_view;
+      }
       touched_[i] = clearance_m < 0 && (touched_[i] || towards);
     }
     before_ = people;
@@ -142,7 +149,10 @@ void FollowPeople(const TaughtDrive& drive, const DriveTruth& truth, const Drive
     if (!pose) continue;
     const Vector2d robot = Floor(*pose, drive.X_BC);
     const std::vector<Vector2d> people = truth.people(t);
-    near.Look(t, robot, before ? Vector2d(robot - *before) : Vector2d(0, 0), people);
+    near.Look(t, robot, before ? Vector2d(robot - *before) : Vector2d(0, 0), people, [&](const Vector2d& person) {
+      const Eigen::Vector3d p_C = pose->Inverse() * Eigen::Vector3d(person.x(), person.y(), pose->translation.z());
+      return p_C.z() > 0 && std::abs(std::atan2(p_C.x(), p_C.z())) < drive.half_view_rad;
+    });
     comparison.people_m.resize(people.size());
     for (size_t i = 0; i < people.size(); ++i) comparison.people_m[i].push_back(people[i]);
     before = robot;
@@ -155,6 +165,18 @@ std::vector<double> Deviations(const DriveEvidence& e) {
     if (Moved(step) && std::isfinite(step.beside_m)) beside.push_back(step.beside_m);
   }
   return beside;
+}
+
+/// From where it has driven a metre on.
+double DeviationOnTheWay(const DriveEvidence& e) {
+  constexpr double kDrivenIn_m = 1;
+  double way_m = 0, largest = kNaN;
+  for (const DrivenStep& step : e.comparison.steps) {
+    if (!Moved(step)) continue;
+    way_m += step.moved_m;
+    if (way_m > kDrivenIn_m) largest = std::fmax(largest, step.beside_m);
+  }
+  return largest;
 }
 
 double GoalError(const DriveEvidence& e) {
@@ -222,8 +244,12 @@ std::vector<Metric<DriveEvidence>> DriveMetrics() {
       {"drive_deviation_mean_m", "m", Better::kLower, kGroup,
        "true distance from the taught way, mean over all frames in which the robot moved",
        [](const E& e) { return Summarize(Deviations(e)).mean; }, true},
-      {"drive_deviation_max_m", "m", Better::kLower, kGroup, "largest true distance from the taught way",
+      {"drive_deviation_max_m", "m", Better::kLower, kGroup,
+       "largest true distance from the taught way, that of a start beside it as well",
        [](const E& e) { return Summarize(Deviations(e)).max; }, true},
+      {"drive_deviation_way_max_m", "m", Better::kLower, kGroup,
+       "largest true distance from the taught way after the first metre driven",
+       [](const E& e) { return DeviationOnTheWay(e); }},
       {"drive_speed_mps", "m/s", Better::kHigher, kGroup, "mean speed while nothing was in its way",
        [](const E& e) { return MeanSpeed(e); }},
       {"drive_time_s", "s", Better::kLower, kGroup, "from the first frame to the last one",
@@ -241,6 +267,9 @@ std::vector<Metric<DriveEvidence>> DriveMetrics() {
        "nearest that it came to a person by its own motion: it towards them, faster than they towards it; between "
        "surfaces (circles of 0.22 and 0.25 m)",
        [](const E& e) { return Clearance(e.comparison.by_own_motion); }, true},
+      {"drive_clearance_in_view_m", "m", Better::kHigher, kGroup,
+       "nearest that it came by its own motion to a person in its camera's field of view",
+       [](const E& e) { return Clearance(e.comparison.in_view); }},
       {"drive_clearance_moving_m", "m", Better::kHigher, kGroup,
        "nearest that a person was while it moved towards them, whoever was faster",
        [](const E& e) { return Clearance(e.comparison.while_towards); }},
@@ -248,7 +277,9 @@ std::vector<Metric<DriveEvidence>> DriveMetrics() {
        [](const E& e) { return Clearance(e.comparison.nearest); }},
       {"drive_touches", "", Better::kLower, kGroup,
        "people that it touched while it moved towards them, whoever was faster",
-       [](const E& e) { return double(e.comparison.touches); }, true}};
+       [](const E& e) { return double(e.comparison.touches); }, true},
+      {"drive_touches_in_view", "", Better::kLower, kGroup, "of these, people in its camera's field of view",
+       [](const E& e) { return double(e.comparison.touches_in_view); }}};
 }
 
 }  // namespace gaitcam

@@ -63,6 +63,8 @@ struct DriveComparison {
   Approach nearest;                                    ///< At any time.
   Approach while_towards;                              ///< While the robot moved towards the person.
   Approach by_own_motion;     ///< Of those, while it came nearer faster than the person came to it.
+  Approach in_view;           ///< Of those, where the person was in the camera's field of view.
+  int touches_in_view = 0;    ///< Of the touches, where the person was in the camera's field of view.
   int touches = 0;            ///< While it moved towards the person: each counts once, until there is room again.
   std::vector<Score> scores;  ///< `drive_...`.
 };

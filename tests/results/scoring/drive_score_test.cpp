@@ -130,6 +130,30 @@ TEST(DriveScore, WhoComesFasterThanTheRobotComesByHisOwnMotion) {
   EXPECT_NEAR(ScoreOf(slow, "clearance_m"), 0.6 - 0.47, 0.01);
 }
 
+TEST(DriveScore, WhoStandsBesideTheCamerasViewCouldNotBeSeen) {
+  // The camera looks along +x: its z axis is the way ahead.
+  Eigen::Matrix3d R_forward;
+  R_forward << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Trajectory driven = DrivenPath([](double t) { return Vector2d(0.3 * t, 0); }, 20);
+  for (StampedPose& pose : driven) pose.pose.rotation = Eigen::Quaterniond(R_forward);
+  TaughtDrive drive = Said(driven, 0, 12);
+  drive.half_view_rad = 0.5;
+  const auto stand = [](int64_t) { return std::vector<Vector2d>{{2, 0.4}}; };
+  const DriveComparison comparison = CompareDrive(drive, {driven, TaughtAlongX(), stand});
+  EXPECT_EQ(ScoreOf(comparison, "touches"), 1);
+  EXPECT_EQ(ScoreOf(comparison, "touches_in_view"), 0);
+  EXPECT_NEAR(ScoreOf(comparison, "clearance_m"), 0.4 - 0.47, 0.001);
+  // It leaves the view where 0.4 m are at 0.5 rad.
+  EXPECT_NEAR(ScoreOf(comparison, "clearance_in_view_m"), 0.4 / std::sin(0.5) - 0.47, 0.02);
+}
+
+TEST(DriveScore, ADeviationAtTheStartIsToldApart) {
+  const Trajectory driven = DrivenPath([](double t) { return Vector2d(2 + 0.3 * t, t < 2 ? 0.1 : 0.01); }, 20);
+  const DriveComparison comparison = CompareDrive(Said(driven, 4, 16), {driven, TaughtAlongX(), Nobody});
+  EXPECT_NEAR(ScoreOf(comparison, "deviation_max_m"), 0.1, 1e-9);
+  EXPECT_NEAR(ScoreOf(comparison, "deviation_way_max_m"), 0.01, 1e-9);
+}
+
 TEST(DriveScore, NothingIsSaidOfADriveThatNeverBegan) {
   const Trajectory driven = DrivenPath([](double) { return Vector2d(5, 0); }, 10);
   TaughtDrive drive = Said(driven, 4, 10);
