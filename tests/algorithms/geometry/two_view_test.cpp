@@ -217,7 +217,8 @@ TEST(TwoView, GravitySettlesWhichOfAFloorsTwoMotionsIsTrue) {
     if (with.alternative) continue;  // it says that it does not know
     EXPECT_LT(DirectionError(with.X_AB, views.X_AB), 0.15) << seed << ": the other motion is some 1.5 rad away";
   }
-  printf("certain: %d of 30 with gravity; certain and right: %d without\n", certain, without_certain_and_right);
+  EXPECT_GE(certain, 25) << "of 30";
+  EXPECT_GT(certain, without_certain_and_right);
 }
 
 TEST(TwoView, WithoutEnoughToGoByThereIsNoPose) {

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/route_map_file.h"
 #include "scenarios/code/files/scenario.h"
 #include "sim/camera/camera_rig.h"
 #include "tests/data_folder.h"
@@ -57,14 +58,33 @@ TEST(SystemNeeds, ADatasetIsToldWhatItLacks) {
   EXPECT_THAT(*LackInDataset(Needing({}, true), calibration, folder.path()), HasSubstr("a recorded walk"));
 }
 
+/// Of the default camera, with one view.
+void WriteSmallMap(const std::filesystem::path& file) {
+  RouteMap map;
+  map.camera = CameraModel::FromHorizontalFov(320, 240, 60);
+  map.feature = "surf";
+  map.graph.nodes.emplace_back();
+  map.views.emplace_back();
+  map.views[0].keypoints.emplace_back(100.0F, 100.0F, 5.0F);
+  map.views[0].descriptors = cv::Mat::ones(1, 64, CV_32FC1);
+  map.views[0].depth_m = {1};
+  WriteRouteMap(file, map);
+}
+
 TEST(SystemNeeds, EveryShippedSystemGetsWhatItNeedsFromAPlainScenario) {
   setenv("GAITCAM_DATA", TestData().c_str(), 1);
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "s.yaml") << "robot: khr1hv_pan\nscene: plain\ncamera: {pitch_deg: 0}\n";
+  WriteSmallMap(folder.path() / "small.map");
   for (const SystemInfo& info : ListSystems()) {
     std::vector<std::string> assignments{"system=" + info.name};
+    if (info.map == MapUse::kNeeded) {
+      EXPECT_THROW(ReadScenario(folder.path() / "s.yaml", assignments), BadInput) << info.name << " without a map";
+      assignments.push_back("map=" + (folder.path() / "small.map").string());
+    }
     for (const auto& [need, assignment] : {std::pair(SensorNeed::kStereo, "camera.stereo.baseline_m=0.06"),
-                                           std::pair(SensorNeed::kDepth, "camera.depth=true")}) {
+                                           std::pair(SensorNeed::kDepth, "camera.depth=true"),
+                                           std::pair(SensorNeed::kOdometry, "sensors.odometry.rate_hz=50")}) {
       if (std::count(info.needs.begin(), info.needs.end(), need) == 0) continue;
       EXPECT_THROW(ReadScenario(folder.path() / "s.yaml", assignments), BadInput) << info.name << " with one plain eye";
       assignments.push_back(assignment);
