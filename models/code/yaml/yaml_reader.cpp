@@ -1,5 +1,6 @@
 #include "models/code/yaml/yaml_reader.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <fstream>
@@ -45,6 +46,34 @@ OptionValue FromNode(const YAML::Node& node, const OptionOrigin& origin, int& va
   return OptionValue::Map(std::move(entries), here);
 }
 
+/// Where documents begin.
+class DocumentStarts : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& mark) override { marks.push_back(mark); }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+  std::vector<YAML::Mark> marks;
+};
+
+/// YAML::LoadAll is no way to ask: where a text begins with a comma it finds documents without end.
+void CheckOneDocument(const std::string& text, const OptionOrigin& origin) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStarts starts;
+  if (!parser.HandleNextDocument(starts) || !parser.HandleNextDocument(starts) || starts.marks.size() < 2) return;
+  OptionOrigin second = origin;
+  second.line = starts.marks[1].line + 1;
+  second.column = starts.marks[1].column + 1;
+  OptionValue::Nothing(second).Fail("a second document begins here; expected one in a file");
+}
+
 }  // namespace
 
 OptionValue LoadYaml(const std::filesystem::path& file) {
@@ -59,14 +88,11 @@ OptionValue ParseYaml(const std::string& text, const std::string& name) {
   OptionOrigin origin;
   origin.file = name;
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      OptionValue::Nothing(OriginOf(documents[1], origin))
-          .Fail("a second document begins here; expected one in a file");
-    }
-    if (documents.empty() || documents[0].IsNull()) return OptionValue::Map({}, origin);
+    CheckOneDocument(text, origin);
+    const YAML::Node document = YAML::Load(text);
+    if (!document.IsDefined() || document.IsNull()) return OptionValue::Map({}, origin);
     int values = 0;
-    const OptionValue value = FromNode(documents[0], origin, values);
+    const OptionValue value = FromNode(document, origin, values);
     if (!value.IsMap()) value.Fail("expected a map of keys and values");
     return value;
   } catch (const YAML::ParserException& e) {
