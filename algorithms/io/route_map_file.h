@@ -2,7 +2,8 @@
 ///
 ///   gaitcam route map 1\n
 ///   N\n                     bytes of the JSON that follows
-///   { ... }                 "feature", "camera", "X_BC", "candidates", "sessions", "nodes", "links", "views" (sizes of each view)
+///   { ... }                 "feature", "camera", "X_BC", "candidates", "sessions", "nodes", "links" and, in "views",
+///                           the size of each view
 ///   data                    the views in turn
 ///   64 hexadecimal digits   SHA-256 of all before
 ///

@@ -16,7 +16,7 @@ constexpr double kStart_m = 1.0;                          // likewise of where t
 constexpr double kArrived_m = 0.03;                       // short of the goal
 constexpr double kBrake_mps2 = 0.25, kReaction_s = 0.25;  // a frame
 
-std::shared_ptr<const RouteMap> NeedMap(std::shared_ptr<const RouteMap> map) {
+const std::shared_ptr<const RouteMap>& NeedMap(const std::shared_ptr<const RouteMap>& map) {
   if (!map) throw BadInput("hybrid_drive needs a map to drive by; set map to a run of hybrid_slam");
   return map;
 }

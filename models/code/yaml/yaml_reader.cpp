@@ -46,20 +46,33 @@ OptionValue FromNode(const YAML::Node& node, const OptionOrigin& origin, int& va
   return OptionValue::Map(std::move(entries), here);
 }
 
-/// Where documents begin.
+/// Where the first value of each document stands.
 class DocumentStarts : public YAML::EventHandler {
  public:
-  void OnDocumentStart(const YAML::Mark& mark) override { marks.push_back(mark); }
+  using Mark = YAML::Mark;
+  using Anchor = YAML::anchor_t;
+  using Style = YAML::EmitterStyle::value;
+
+  void OnDocumentStart(const Mark&) override { begins_ = true; }
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnNull(const Mark& mark, Anchor) override { Note(mark); }
+  void OnAlias(const Mark& mark, Anchor) override { Note(mark); }
+  void OnScalar(const Mark& mark, const std::string&, Anchor, const std::string&) override { Note(mark); }
+  void OnSequenceStart(const Mark& mark, const std::string&, Anchor, Style) override { Note(mark); }
   void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapStart(const Mark& mark, const std::string&, Anchor, Style) override { Note(mark); }
   void OnMapEnd() override {}
 
-  std::vector<YAML::Mark> marks;
+  const std::vector<Mark>& marks() const { return marks_; }
+
+ private:
+  void Note(const Mark& mark) {
+    if (begins_) marks_.push_back(mark);
+    begins_ = false;
+  }
+
+  bool begins_ = false;
+  std::vector<Mark> marks_;
 };
 
 /// YAML::LoadAll is no way to ask: where a text begins with a comma it finds documents without end.
@@ -67,11 +80,13 @@ void CheckOneDocument(const std::string& text, const OptionOrigin& origin) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
   DocumentStarts starts;
-  if (!parser.HandleNextDocument(starts) || !parser.HandleNextDocument(starts) || starts.marks.size() < 2) return;
+  if (!parser.HandleNextDocument(starts) || !parser.HandleNextDocument(starts) || starts.marks().size() < 2) return;
   OptionOrigin second = origin;
-  second.line = starts.marks[1].line + 1;
-  second.column = starts.marks[1].column + 1;
-  OptionValue::Nothing(second).Fail("a second document begins here; expected one in a file");
+  second.line = starts.marks()[1].line + 1;
+  second.column = starts.marks()[1].column + 1;
+  const bool stands_still = starts.marks()[1].pos <= starts.marks()[0].pos;
+  OptionValue::Nothing(second).Fail(stands_still ? "not valid YAML: no value begins like this"
+                                                 : "a second document begins here; expected one in a file");
 }
 
 }  // namespace

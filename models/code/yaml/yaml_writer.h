@@ -38,7 +38,7 @@ void WriteYaml(YAML::Emitter& out, const T& value);
 
 namespace internal {
 
-/// An empty list of described structs, an absent struct and an absent number are not written. A type with rules of its
+/// An empty list of described structs, an absent struct, number or text are not written. A type with rules of its
 /// own may provide `bool SaysNothing(const T&)` in its namespace.
 template <class T>
 bool SaysNothing(const T&) {
@@ -53,6 +53,7 @@ bool SaysNothing(const std::optional<T>& value) {
   return !value;
 }
 inline bool SaysNothing(const std::optional<double>& value) { return !value; }
+inline bool SaysNothing(const std::optional<std::string>& value) { return !value; }
 
 struct YamlFieldWriter {
   YAML::Emitter& out;

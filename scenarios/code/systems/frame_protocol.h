@@ -18,8 +18,8 @@
 ///   IMAGE    {"offset": 0, "height": 240, "width": 320, "channels": 3, "type": "uint8"}: rows from the top, packed,
 ///            channels blue, green, red; depth has one channel of "float32", metres. They lie at that offset in FILE,
 ///            which is in shared memory and stays as it is until the answer.
-///   COMMAND  "follow_path", "scan", "end_walk", {"velocity": [forward m/s, left m/s, turn rad/s]} or {"go_to": [x m, y m, rad]};
-///            of a system that acts
+///   COMMAND  "follow_path", "scan", "end_walk", {"velocity": [forward m/s, left m/s, turn rad/s]} or {"go_to": [x m,
+///            y m, rad]}; of a system that acts
 ///   MAP      {"landmarks": [[x, y, z], ...]}, or {"occupancy": {"cell_m": 0.05, "corner_m": [x, y],
 ///            "log_odds": [[...], ...]}} with one list per row
 ///

@@ -135,9 +135,9 @@ TEST(FrameProtocol, AnAnswerArrivesToTheBit) {
   sent.frame.features = 12;
   sent.frame.inliers = 7;
   sent.frame.matches = 9;
-  for (const BodyCommand& command : {BodyCommand(FollowPath()), BodyCommand(Scan()),
-                                     BodyCommand(Velocity{0.1, -0.2, 1.0 / 3}), BodyCommand(GoTo{1, 2, -3}),
-                                     BodyCommand(EndWalk())}) {
+  for (const BodyCommand& command :
+       {BodyCommand(FollowPath()), BodyCommand(Scan()), BodyCommand(Velocity{0.1, -0.2, 1.0 / 3}),
+        BodyCommand(GoTo{1, 2, -3}), BodyCommand(EndWalk())}) {
     sent.command = command;
     const FrameAnswer read = ReadAnswer(AnswerMessage(sent), 5);
     EXPECT_EQ(read.frame.pose->translation, sent.frame.pose->translation);
