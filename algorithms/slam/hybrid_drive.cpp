@@ -123,14 +123,17 @@ void HybridDrive::Take(const std::vector<int>& views, const PlanarPose& X_FB, bo
   if (!views.empty()) drive_.routes.push_back(std::move(route));
 }
 
-/// Arrived is only who sees that he is there.
+/// Arrived is who sees that he is there, or who has looked through the whole map and found himself nowhere else.
 DriveState HybridDrive::Drive(const DriveStep& step) {
   const PlanarPose& X_FB = step.X_FB;
   constexpr double kBack_m = 0.3, kOn_m = 0.8;  // how far from where it was a frame ago it may be along the route
   along_m_ = route_.Nearest(X_FB.position, along_m_ - kBack_m, along_m_ + kOn_m);
   const double left_m = route_.length_m() - along_m_;
-  if (left_m <= kArrived_m && !step.confirmed) return DriveState::kSearching;
   if (left_m <= kArrived_m) {
+    constexpr int kLooked = 4;  // frames in which the whole map is searched
+    const bool doubts =
+        !step.confirmed && localizer_.unconfirmed_frames() <= options_.localizer.unconfirmed_frames + kLooked;
+    if (doubts) return DriveState::kSearching;
     command_ = EndWalk();
     return DriveState::kArrived;
   }

@@ -74,6 +74,8 @@ class MapLocalizer {
   /// @returns nothing as long as the map was not met, or where the wheels do not reach.
   std::optional<Fix> Locate(int64_t stamp_ns, const MetricModel& seen, const BodyTrack& body);
 
+  /// How many frames in a row no view has confirmed.
+  int unconfirmed_frames() const { return unconfirmed_; }
   /// Stamp of the last fix, back to which the wheels are needed.
   std::optional<int64_t> last_stamp_ns() const { return last_ ? std::optional(last_stamp_ns_) : std::nullopt; }
 

@@ -129,6 +129,19 @@ TEST(HybridDrive, CountsOnItsWheelsForPredictionsNotForPoses) {
   }
 }
 
+TEST(HybridDrive, ArrivesInTheDarkOnceNothingSaysOtherwise) {
+  constexpr int kDark = 12;
+  const auto dark = [](int frame, const PlanarPose&, Observation& observation) {
+    if (frame >= kDark) observation.image.pixels.setTo(0);
+  };
+  const Drive drive(ToGoal(1.2), kTaughtStart, 80, {}, dark);
+  ASSERT_TRUE(drive.ended);
+  EXPECT_FALSE(drive.said.steps.back().confirmed);
+  // It has stood there and looked for itself in the whole map: since frame 12 for 12 frames, and then for four.
+  EXPECT_GE(int(drive.path.size()), kDark + 12 + 4);
+  EXPECT_LT((drive.TrueInF(int(drive.path.size()) - 1) - Eigen::Vector2d(1.2, 0)).norm(), 0.1 + kRoomTolerance_m);
+}
+
 TEST(HybridDrive, IsTheSameTwice) {
   const Drive a(ToGoal(0.5), kTaughtStart, 8), b(ToGoal(0.5), kTaughtStart, 8);
   ASSERT_EQ(a.path.size(), b.path.size());
