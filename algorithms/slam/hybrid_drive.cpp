@@ -36,7 +36,7 @@ HybridDrive::HybridDrive(const Calibration& calibration, std::shared_ptr<const R
       localizer_(calibration, NeedMap(map), options.sight.feature, options.sight.models, options.localizer, seed),
       guard_(calibration, options.guard),
       ways_(*map),
-      map_(map) {
+      map_(std::move(map)) {
   CheckFields(options, "hybrid_drive.");
   drive_.X_BC = calibration.odometry.X_BC;
   drive_.half_view_rad = std::atan(0.5 * calibration.camera.width_px / calibration.camera.fx);
