@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -29,5 +30,10 @@ struct RouteMap {
   std::vector<MappedView> views;    ///< Of each node, in their order; the last nodes may have none.
   std::vector<int> sessions = {0};  ///< The first node of each walk that taught it.
 };
+
+/// The session that a view is of, from 0.
+inline int SessionOf(const RouteMap& map, int view) {
+  return int(std::upper_bound(map.sessions.begin(), map.sessions.end(), view) - map.sessions.begin()) - 1;
+}
 
 }  // namespace gaitcam

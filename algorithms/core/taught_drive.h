@@ -5,7 +5,6 @@
 
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
@@ -37,17 +36,13 @@ struct DriveStep {
 /// A way that was planned along views of the map.
 struct DriveRoute {
   int from_step = 0;              ///< Of TaughtDrive::steps.
-  bool around = false;            ///< Since the one before was blocked.
   std::vector<int64_t> views_ns;  ///< Stamps of its views, of the walk that taught them.
-  std::vector<PlanarPose> X_FB;   ///< Of the body at each.
 };
 
 struct TaughtDrive {
-  Pose X_BC;                 ///< Of the calibration that it drove with.
-  double half_view_rad = 0;  ///< Half of the camera's horizontal field of view, likewise.
-  int64_t taught_ns = 0;     ///< Stamp of the map's first view, on the walk that taught it: where F is.
-  Eigen::Vector2d goal_m = Eigen::Vector2d::Zero();  ///< In F.
-  std::vector<DriveRoute> routes;                    ///< One after the other.
+  Pose X_BC;                       ///< Of the calibration that it drove with.
+  double half_view_rad = 0;        ///< Half of the camera's horizontal field of view, likewise.
+  std::vector<DriveRoute> routes;  ///< One after the other.
   std::vector<DriveStep> steps;
 };
 

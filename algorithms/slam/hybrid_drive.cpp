@@ -11,10 +11,10 @@
 namespace gaitcam {
 namespace {
 
-constexpr double kGoal_m = 0.5;                           // a goal farther from all views is off the map
-constexpr double kStart_m = 1.0;                          // likewise of where the robot finds itself
-constexpr double kArrived_m = 0.03;                       // short of the goal
-constexpr double kBrake_mps2 = 0.25, kReaction_s = 0.25;  // a frame
+constexpr double kGoal_m = 0.5;      // a goal farther from all views is off the map
+constexpr double kStart_m = 1.0;     // likewise of where the robot finds itself
+constexpr double kArrived_m = 0.03;  // short of the goal
+constexpr double kBrake_mps2 = 0.25;
 
 const std::shared_ptr<const RouteMap>& NeedMap(const std::shared_ptr<const RouteMap>& map) {
   if (!map) throw BadInput("hybrid_drive needs a map to drive by; set map to a run of hybrid_slam");
@@ -36,15 +36,15 @@ HybridDrive::HybridDrive(const Calibration& calibration, std::shared_ptr<const R
       localizer_(calibration, NeedMap(map), options.sight.feature, options.sight.models, options.localizer, seed),
       guard_(calibration, options.guard),
       ways_(*map),
+      frame_s_(calibration.frame_rate_hz > 0 ? 1 / calibration.frame_rate_hz : 0),
       map_(std::move(map)) {
   CheckFields(options, "hybrid_drive.");
   drive_.X_BC = calibration.odometry.X_BC;
   drive_.half_view_rad = std::atan(0.5 * calibration.camera.width_px / calibration.camera.fx);
-  drive_.taught_ns = map_->graph.nodes.front().stamp_ns;
-  drive_.goal_m = {options.goal_x_m, options.goal_y_m};
-  goal_ = ways_.Nearest(drive_.goal_m, kGoal_m);
+  const Eigen::Vector2d goal_m(options.goal_x_m, options.goal_y_m);
+  goal_ = ways_.Nearest(goal_m, kGoal_m);
   if (goal_ >= 0) return;
-  const int nearest = ways_.Nearest(drive_.goal_m, 1e9);
+  const int nearest = ways_.Nearest(goal_m, 1e9);
   const Eigen::Vector2d there = ways_.At(nearest).position;
   throw BadInput("hybrid_drive.goal_x_m: the goal is off the map, whose nearest way passes at " +
                  std::to_string(there.x()) + ", " + std::to_string(there.y()) + " m; expected one within 0.5 m of it");
@@ -95,7 +95,7 @@ FrameEstimate HybridDrive::AnswerOf(int64_t stamp_ns, const MetricModel& seen,
 /// From where it is. A robot that is off every taught way, or past the last one to its goal, has no route, and stands.
 void HybridDrive::Plan(const PlanarPose& X_FB) {
   const int start = ways_.Nearest(X_FB, kStart_m);
-  Take(start < 0 ? std::vector<int>() : ways_.Shortest(start, goal_), X_FB, false);
+  Take(start < 0 ? std::vector<int>() : ways_.Shortest(start, goal_), X_FB);
 }
 
 /// Another way, none of whose views lies in what is blocked; the old one if there is none.
@@ -109,16 +109,17 @@ void HybridDrive::PlanAround(const PlanarPose& X_FB) {
     if (v != start && (ways_.At(v).position - block).norm() < kBlocked_m / 2) closed.insert(v);
   }
   const std::vector<int> way = ways_.Shortest(start, goal_, closed);
-  if (!way.empty()) Take(way, X_FB, true);
+  if (!way.empty()) Take(way, X_FB);
 }
 
-void HybridDrive::Take(const std::vector<int>& views, const PlanarPose& X_FB, bool around) {
-  DriveRoute route{int(drive_.steps.size()), around, {}, {}};
+void HybridDrive::Take(const std::vector<int>& views, const PlanarPose& X_FB) {
+  DriveRoute route{int(drive_.steps.size()), {}};
+  std::vector<PlanarPose> poses;
   for (const int view : views) {
     route.views_ns.push_back(map_->graph.nodes[size_t(view)].stamp_ns);
-    route.X_FB.push_back(ways_.At(view));
+    poses.push_back(ways_.At(view));
   }
-  route_ = Route(route.X_FB);
+  route_ = Route(poses);
   along_m_ = route_.Nearest(X_FB.position, 0, kStart_m);
   if (!views.empty()) drive_.routes.push_back(std::move(route));
 }
@@ -138,7 +139,7 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
     return DriveState::kArrived;
   }
   const double free_m = guard_.FreeWay([&](double ahead_m) { return route_.At(along_m_ + ahead_m).position; });
-  const double allowed = std::min(SpeedBefore(free_m), guard_.SpeedAmongWalkers(kBrake_mps2, kReaction_s));
+  const double allowed = std::min(SpeedBefore(free_m), guard_.SpeedAmongWalkers(kBrake_mps2, frame_s_));
   const double speed = std::min({options_.speed_mps, allowed, SpeedBefore(left_m) + 0.02});
   if (speed >= 0.02) {
     waits_since_ns_.reset();

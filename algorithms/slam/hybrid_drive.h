@@ -71,7 +71,7 @@ class HybridDrive {
  private:
   void Plan(const PlanarPose& X_FB);
   void PlanAround(const PlanarPose& X_FB);
-  void Take(const std::vector<int>& views, const PlanarPose& X_FB, bool around);
+  void Take(const std::vector<int>& views, const PlanarPose& X_FB);
   DriveState Drive(const DriveStep& step);
   Velocity Steer(const PlanarPose& X_FB, double speed_mps) const;
   double SpeedBefore(double free_m) const;
@@ -83,6 +83,7 @@ class HybridDrive {
   MapLocalizer localizer_;
   WayGuard guard_;
   TaughtWays ways_;
+  double frame_s_;  ///< Until it sees, and commands, again.
   std::shared_ptr<const RouteMap> map_;
   int goal_ = -1;  ///< View.
   Route route_;

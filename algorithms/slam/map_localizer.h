@@ -76,8 +76,6 @@ class MapLocalizer {
 
   /// How many frames in a row no view has confirmed.
   int unconfirmed_frames() const { return unconfirmed_; }
-  /// Stamp of the last fix, back to which the wheels are needed.
-  std::optional<int64_t> last_stamp_ns() const { return last_ ? std::optional(last_stamp_ns_) : std::nullopt; }
 
  private:
   std::optional<Fix> CarriedOn(int64_t stamp_ns, const BodyTrack& body) const;

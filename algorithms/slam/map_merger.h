@@ -1,9 +1,9 @@
 /// Several sessions in one map: another day, other light, other people.
 ///
-/// Source: Hua, section 6.1.1: "using proposed method learned multiple data sets can be merged to be one hybrid map".
-/// How is left open. Here views of the later session are looked for among those of the earlier map as loops are
-/// (hybrid_loops.h). Each that is found says where the later session's world lies in the earlier one; those that agree
-/// with one another most join the two, and all is solved as one pose graph in which joins, too, may lose their trust.
+/// Source: Hua, section 6.1.1, which names the merging of recordings as a use of the map and leaves open how. Here
+/// views of the later session are looked for among those of the earlier map as loops are (hybrid_loops.h). Each that is
+/// found says where the later session's world lies in the earlier one; those that agree with one another most join the
+/// two, and all is solved as one pose graph in which joins, too, may lose their trust.
 
 #pragma once
 

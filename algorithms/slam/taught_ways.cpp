@@ -18,11 +18,6 @@ constexpr double kAnotherPass_m = 3;  // a shortcut within one pass cuts the cor
 constexpr double kTogether_m = 0.6, kSameWay_rad = 30 * kRadPerDeg;  // of two passes
 constexpr double kChange_m = 0.2;                                    // what a change of pass costs, as way
 
-/// How many began at or before a view.
-long SessionOf(const RouteMap& map, int view) {
-  return std::upper_bound(map.sessions.begin(), map.sessions.end(), view) - map.sessions.begin();
-}
-
 double Apart_rad(double a, double b) { return std::abs(WrapAngle(a - b)); }
 
 }  // namespace

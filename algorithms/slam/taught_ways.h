@@ -1,7 +1,6 @@
 /// The ways that a map knows, and the shortest one to a goal.
 ///
-/// Source: Hua, section 6.1.2: "because the hybrid map keeps correct topological structure, Dijkstra's algorithm can be
-/// applied to path planning".
+/// Source: Hua, section 6.1.2, which plans by Dijkstra's algorithm on the topology of the map.
 ///
 /// A way goes from view to view in the order in which they were taken: there the robot sees what the map shows. From
 /// one pass to another of the same place it changes over where a loop closure joins views that lie together and face
@@ -10,8 +9,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
-#include <optional>
 #include <set>
 #include <vector>
 
@@ -66,7 +63,6 @@ class Route {
   double DirectionAt(double along_m) const;
   /// Where along the route, between two limits, it comes nearest to a point.
   double Nearest(const Eigen::Vector2d& point_m, double from_m, double to_m) const;
-  const std::vector<PlanarPose>& poses() const { return poses_; }
 
  private:
   size_t PieceAt(double along_m) const;

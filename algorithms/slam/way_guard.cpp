@@ -15,7 +15,7 @@ constexpr double kStep_m = 0.1;                // along the way
 
 constexpr double kMoved_m = 0.2;     // nearer than what was seen there before
 constexpr double kNearest_m = 0.6;   // before which a depth camera measures nothing: no reason to be new
-constexpr double kStillThere_s = 1;  // who moved and is not seen to any more
+constexpr double kStillThere_s = 1;  // so long who moved is taken to be as near
 constexpr double kRemembered_m = 2;  // farther away, there is time to look again
 
 }  // namespace

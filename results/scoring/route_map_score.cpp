@@ -9,10 +9,6 @@
 namespace gaitcam {
 namespace {
 
-long SessionOf(const RouteMap& map, int view) {
-  return std::upper_bound(map.sessions.begin(), map.sessions.end(), view) - map.sessions.begin();
-}
-
 std::vector<double> ErrorsOf(const PoseGraph& graph, const Trajectory& truth) {
   std::vector<PosePair> pairs;
   for (const GraphNode& node : graph.nodes) {

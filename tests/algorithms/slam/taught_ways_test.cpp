@@ -135,8 +135,8 @@ TEST(Route, RoundsOffAStepAsideBetweenTwoPasses) {
   for (double s = 0.2; s < route.length_m() - 0.2; s += 0.02)
     steepest = std::max(steepest, std::abs(route.DirectionAt(s)));
   EXPECT_GT(std::atan2(0.1, 0.2), 1.4 * steepest);
-  EXPECT_EQ(route.poses().front().position, poses.front().position);
-  EXPECT_EQ(route.poses().back().position, poses.back().position);
+  EXPECT_EQ(route.At(0).position, poses.front().position);
+  EXPECT_EQ(route.At(route.length_m()).position, poses.back().position);
 }
 
 }  // namespace
