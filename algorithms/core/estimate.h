@@ -54,6 +54,7 @@ struct FinalEstimate {
   std::string failure;                ///< Why it stopped working, in one line; empty if it did not.
   bool keyframes_only = false;        ///< It gives poses of its key frames and of no others.
   bool saw_all_first = false;         ///< It answered nothing before it had seen the whole film: nothing was said live.
+  std::vector<std::string> remarks;   ///< What was odd about the answers and was put right, a line each.
 };
 
 /// All answers of one run, in frame order.
@@ -65,6 +66,7 @@ struct Estimate {
   std::vector<Map> maps;              ///< In the world of the poses.
   std::string failure;                ///< Why the system stopped working, in one line; empty if it did not.
   bool keyframes_only = false;        ///< Frames between key frames have no pose: coverage counts the key frames' span.
+  std::vector<std::string> remarks;   ///< FinalEstimate::remarks.
   std::vector<double> track_ms;       ///< Wall time spent per frame; the one part that differs from run to run.
 
   /// The final answer's poses.

@@ -94,27 +94,6 @@ Trajectory ReadStamped(const std::filesystem::path& file, TrajectoryFormat forma
   return trajectory;
 }
 
-/// Sorts and keeps the first of equal stamps. @returns what there was to do.
-std::vector<std::string> Repair(const std::filesystem::path& file, Trajectory& trajectory) {
-  std::vector<std::string> remarks;
-  const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; };
-  size_t back = 0;
-  for (size_t i = 1; i < trajectory.size(); ++i) back += earlier(trajectory[i], trajectory[i - 1]) ? 1 : 0;
-  if (back > 0) {
-    std::stable_sort(trajectory.begin(), trajectory.end(), earlier);
-    remarks.push_back(fmt::format("{}: {} row{} earlier than the one before: sorted by time", file.string(), back,
-                                  back == 1 ? " is" : "s are"));
-  }
-  const size_t rows = trajectory.size();
-  const auto same = [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns == b.stamp_ns; };
-  trajectory.erase(std::unique(trajectory.begin(), trajectory.end(), same), trajectory.end());
-  if (const size_t twice = rows - trajectory.size(); twice > 0) {
-    remarks.push_back(fmt::format("{}: {} row{} the stamp of another: the first is kept", file.string(), twice,
-                                  twice == 1 ? " has" : "s have"));
-  }
-  return remarks;
-}
-
 Trajectory ReadKitti(const std::filesystem::path& file, const std::filesystem::path& times_file, StampOrder order) {
   TextTable table(file, ' ');
   std::optional<TextTable> times;
@@ -144,13 +123,33 @@ TrajectoryFormat TrajectoryFormatFromText(const std::string& text) {
   throw BadInput("trajectory format " + text + ": expected one of tum, kitti, euroc");
 }
 
+std::vector<std::string> RepairStamps(const std::string& name, Trajectory& trajectory) {
+  std::vector<std::string> remarks;
+  const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; };
+  size_t back = 0;
+  for (size_t i = 1; i < trajectory.size(); ++i) back += earlier(trajectory[i], trajectory[i - 1]) ? 1 : 0;
+  if (back > 0) {
+    std::stable_sort(trajectory.begin(), trajectory.end(), earlier);
+    remarks.push_back(fmt::format("{}: {} row{} earlier than the one before: sorted by time", name, back,
+                                  back == 1 ? " is" : "s are"));
+  }
+  const size_t rows = trajectory.size();
+  const auto same = [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns == b.stamp_ns; };
+  trajectory.erase(std::unique(trajectory.begin(), trajectory.end(), same), trajectory.end());
+  if (const size_t twice = rows - trajectory.size(); twice > 0) {
+    remarks.push_back(fmt::format("{}: {} row{} the stamp of another: the first is kept", name, twice,
+                                  twice == 1 ? " has" : "s have"));
+  }
+  return remarks;
+}
+
 TrajectoryFile ReadTrajectory(const std::filesystem::path& file, std::optional<TrajectoryFormat> format,
                               const std::filesystem::path& kitti_times, StampOrder order) {
   TrajectoryFile result;
   result.format = format ? *format : FormatOf(file);
   result.trajectory = result.format == TrajectoryFormat::kKitti ? ReadKitti(file, kitti_times, order)
                                                                 : ReadStamped(file, result.format, order);
-  if (order == StampOrder::kRepaired) result.remarks = Repair(file, result.trajectory);
+  if (order == StampOrder::kRepaired) result.remarks = RepairStamps(file.string(), result.trajectory);
   if (result.trajectory.empty()) throw BadInput(file.string() + ": holds no pose");
   return result;
 }

@@ -50,6 +50,11 @@ struct TrajectoryFile {
 TrajectoryFile ReadTrajectory(const std::filesystem::path& file, std::optional<TrajectoryFormat> format = {},
                               const std::filesystem::path& kitti_times = {}, StampOrder order = StampOrder::kStrict);
 
+/// Sorts by stamps, and keeps the first of equal ones.
+/// @param name of the file, for the remarks
+/// @returns what there was to do, a line each
+std::vector<std::string> RepairStamps(const std::string& name, Trajectory& trajectory);
+
 /// Writes a whole file or none. Numbers are written so that they read back to the same bits (KITTI's rotation: to
 /// 1e-15).
 /// @throws MissingResource if it cannot be written.

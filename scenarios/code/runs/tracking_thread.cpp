@@ -41,6 +41,7 @@ void TrackingThread::Run() {
     estimate_.maps = std::move(last.maps);
     estimate_.failure = std::move(last.failure);
     estimate_.keyframes_only = last.keyframes_only;
+    estimate_.remarks = std::move(last.remarks);
   } catch (...) {
     failure_ = std::current_exception();
     queue_.Close();

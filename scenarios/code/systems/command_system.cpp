@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <map>
 #include <sstream>
 
 #include "algorithms/core/errors.h"
@@ -136,6 +135,7 @@ FinalEstimate CommandSystem::Finish() {
   answer.saw_all_first = true;
   answer.keyframes_only = command_.interface == CommandInterface::kVslamlab;
   answer.failure = failure_;
+  answer.remarks = remarks_;
   dataset_.reset();
   return answer;
 }
@@ -178,15 +178,18 @@ void CommandSystem::ReadAnswer() {
   }
   try {
     if (key_frames) {
-      PlaceByStamp(ReadKeyFrames(dataset_->answers()), HalfInterval(frames_), frames_);
+      const TrajectoryFile keyframes = ReadKeyFrames(dataset_->answers());
+      remarks_ = keyframes.remarks;
+      PlaceByStamp(keyframes.trajectory, HalfInterval(frames_), frames_);
       return;
     }
-    const Trajectory trajectory =
-        ReadTrajectory(dataset_->output(), command_.format, {}, StampOrder::kRepaired).trajectory;
+    TrajectoryFile written = ReadTrajectory(dataset_->output(), command_.format, {}, StampOrder::kRepaired);
+    for (std::string& remark : written.remarks) Replace(remark, dataset_->output().string(), "{output}");
+    remarks_ = std::move(written.remarks);
     if (command_.format == TrajectoryFormat::kKitti) {
-      failure_ = PlaceByRow(trajectory, frames_);
+      failure_ = PlaceByRow(written.trajectory, frames_);
     } else {
-      PlaceByStamp(trajectory, HalfInterval(frames_), frames_);
+      PlaceByStamp(written.trajectory, HalfInterval(frames_), frames_);
     }
   } catch (const BadInput& e) {
     failure_ = std::string("wrote a malformed trajectory: ") + e.what();
@@ -263,10 +266,10 @@ int64_t StampOf(const std::string& text) {
 
 }  // namespace
 
-Trajectory ReadKeyFrames(const fs::path& output) {
+TrajectoryFile ReadKeyFrames(const fs::path& output) {
   const fs::path file = FindKeyFrames(output);
   std::ifstream stream(file);
-  std::map<int64_t, Pose> poses;
+  TrajectoryFile result;
   int line = 0;
   std::string stamp;
   for (std::string row; std::getline(stream, row);) {
@@ -278,11 +281,10 @@ Trajectory ReadKeyFrames(const fs::path& output) {
     if (!(std::abs(q.norm() - 1) < 1e-2)) {
       throw BadInput(fmt::format("{}:{}: expected t x y z qx qy qz qw", file.filename().string(), line));
     }
-    poses.emplace(StampOf(stamp), Pose(q.normalized(), {v[1], v[2], v[3]}));
+    result.trajectory.push_back({StampOf(stamp), Pose(q.normalized(), {v[1], v[2], v[3]})});
   }
-  Trajectory trajectory;
-  for (const auto& [stamp_ns, pose] : poses) trajectory.push_back({stamp_ns, pose});
-  return trajectory;
+  result.remarks = RepairStamps(file.filename().string(), result.trajectory);
+  return result;
 }
 
 }  // namespace gaitcam

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "algorithms/io/trajectory_file.h"
 #include "algorithms/slam/system.h"
 #include "scenarios/code/systems/system_choice.h"
 
@@ -44,6 +45,7 @@ class CommandSystem : public System {
   std::unique_ptr<Dataset> dataset_;
   std::vector<FrameEstimate> frames_;
   std::string failure_;
+  std::vector<std::string> remarks_;
 };
 
 /// The arguments of VSLAM-LAB's interface, added where `words` do not have them: "key:value", or "--key value" for a
@@ -54,9 +56,9 @@ std::vector<std::string> AddVslamlabArguments(std::vector<std::string> words, co
 
 /// The poses of the key-frame trajectory in `output`: the one file there whose name says KeyFrameTrajectory. Fields
 /// stand between commas or blanks: t x y z qx qy qz qw; t in seconds or nanoseconds; rows that do not begin with a
-/// number are skipped, the first of equal stamps is kept, rows out of order are sorted.
+/// number are skipped, stamps are repaired (RepairStamps).
 /// @throws BadInput: no such file, or a row that is no pose.
-Trajectory ReadKeyFrames(const std::filesystem::path& output);
+TrajectoryFile ReadKeyFrames(const std::filesystem::path& output);
 
 /// Command words with their placeholders filled in. Pure.
 std::vector<std::string> FillPlaceholders(std::vector<std::string> words, const std::filesystem::path& dataset,

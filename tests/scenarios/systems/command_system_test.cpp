@@ -109,6 +109,15 @@ TEST_F(CommandSystemTest, ASearchFindsNoTruth) {
   EXPECT_THAT(said, testing::Not(HasSubstr("run s.yaml"))) << "our own command line";
 }
 
+TEST_F(CommandSystemTest, PosesOutOfOrderAreSortedAndThatIsSaid) {
+  const ProgramResult result =
+      RunWith("grep -v '^#' \"$1/rgb.txt\" | awk '{print $1, NR, 0, 0, 0, 0, 0, 1}' | tac > \"$2\"");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(Scores()["scores"]["coverage_ratio"], 1);
+  EXPECT_THAT(result.out, HasSubstr("{output}: 19 rows are earlier than the one before: sorted by time"));
+  EXPECT_THAT(ReadText(File("run") / "report.html"), HasSubstr("sorted by time"));
+}
+
 TEST_F(CommandSystemTest, ACrashIsAScoredFailure) {
   const ProgramResult result = RunWith("echo out of luck >&2; exit 7");
   EXPECT_EQ(result.exit_code, 3);
@@ -186,13 +195,15 @@ TEST(Vslamlab, KeyFramesAreReadAsTheyCome) {
                "1700000000300000000,3,0,0,0,0,0,1\n"
                "1700000000100000000,1,0,0,0,0,0,1\n"
                "1700000000100000000,9,0,0,0,0,0,1\n");
-  const Trajectory read = ReadKeyFrames(folder.path());
+  const TrajectoryFile file = ReadKeyFrames(folder.path());
+  EXPECT_EQ(file.remarks.size(), 2u) << "a row out of order, a stamp twice";
+  const Trajectory& read = file.trajectory;
   ASSERT_EQ(read.size(), 2u);
   EXPECT_EQ(read[0].stamp_ns, 1700000000100000000);
   EXPECT_EQ(read[0].pose.translation.x(), 1) << "of equal stamps the first";
   EXPECT_EQ(read[1].stamp_ns, 1700000000300000000);
   folder.Write("00000_KeyFrameTrajectory.csv", "1700000000.033333333 1 2 3 0 0 0 1\n");
-  EXPECT_EQ(ReadKeyFrames(folder.path())[0].stamp_ns, 1700000000033333333);
+  EXPECT_EQ(ReadKeyFrames(folder.path()).trajectory[0].stamp_ns, 1700000000033333333);
   folder.Write("00000_KeyFrameTrajectory.csv", "1 2 3\n");
   EXPECT_THROW(ReadKeyFrames(folder.path()), BadInput);
   folder.Write("more/KeyFrameTrajectory.txt", "");
