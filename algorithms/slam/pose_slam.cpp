@@ -111,15 +111,19 @@ void PoseSlam::Solve() {
   graph_.nodes.back().covariance = PoseGraphCovariances(graph_).Of(int(graph_.nodes.size()) - 1);
 }
 
-/// Nodes that the newest one's camera may see the same as, the likeliest first. What the odometry's window still holds
-/// is no loop.
+/// Nodes that the newest one's camera may see the same as, those first that look most alike. What the odometry's window
+/// still holds is no loop.
 std::vector<PoseSlam::Candidate> PoseSlam::Candidates() const {
   const int newest = int(keyframes_.size()) - 1;
   const PoseGraphCovariances covariances(graph_);
+  const std::map<int, double> likeness = finder_.LikeLast();
   constexpr double kSigmas = 2, kFarAway = 10;
   std::vector<Candidate> candidates;
   for (int node = 0; node < newest && keyframes_[size_t(node)] < odometry_.map().WindowBegin(); ++node) {
-    Candidate candidate{node, 0, graph_.nodes[size_t(node)].X_WC.Inverse() * graph_.nodes[size_t(newest)].X_WC, {}};
+    Candidate candidate{node,
+                        likeness.at(keyframes_[size_t(node)]),
+                        graph_.nodes[size_t(node)].X_WC.Inverse() * graph_.nodes[size_t(newest)].X_WC,
+                        {}};
     const double apart_m = candidate.X_FT.translation.norm();
     const double apart_rad = RotationAngle(Eigen::Quaterniond::Identity(), candidate.X_FT.rotation);
     if (apart_m > kFarAway * options_.near_m) continue;
@@ -129,11 +133,10 @@ std::vector<PoseSlam::Candidate> PoseSlam::Candidates() const {
     const double sigma_rad = LargestSigma(candidate.covariance.bottomRightCorner<3, 3>());
     if (apart_m > options_.near_m + kSigmas * sigma_m) continue;
     if (apart_rad > kRadPerDeg * options_.near_deg + kSigmas * sigma_rad) continue;
-    candidate.apart = std::max(apart_m / options_.near_m, apart_rad / (kRadPerDeg * options_.near_deg));
     candidates.push_back(candidate);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.apart < b.apart; });
+                   [](const Candidate& a, const Candidate& b) { return a.likeness > b.likeness; });
   if (candidates.size() > size_t(options_.loop_candidates)) candidates.resize(size_t(options_.loop_candidates));
   return candidates;
 }

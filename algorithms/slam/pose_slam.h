@@ -10,9 +10,10 @@
 /// - StereoLoops: the motion between two keyframes that show the same;
 /// - SolvePoseGraph, PoseGraphCovariances (algorithms/estimation): the poses, robust to false loops.
 ///
-/// A loop is looked for where the graph's covariances allow that the camera sees what an earlier node saw (Mahalanobis
-/// distance before matching), measured by matched points (geometry), and kept if it is as likely as `loop_gate` says
-/// and tells more than `loop_gain`. Frames stand to their nodes as the odometry has them.
+/// A loop is looked for where the graph's covariances allow that the camera sees what an earlier node saw, among those
+/// nodes that look most alike by a bag of words, measured by matched points (geometry), and kept if it is as likely as
+/// `loop_gate` says (Mahalanobis distance) and tells more than `loop_gain`. Frames stand to their nodes as the odometry
+/// has them.
 ///
 /// The world frame W is the first keyframe's left camera; metres.
 
@@ -43,7 +44,7 @@ struct PoseSlamOptions {
   double node_deg = 10;     ///< ... and turned less against it adds no node, unless it closes a loop.
   double near_m = 0.6;      ///< Two cameras so near to each other ...
   double near_deg = 30;     ///< ... and turned so little against each other may see the same.
-  int loop_candidates = 3;  ///< Nodes that a keyframe is matched with, those first that stand most alike.
+  int loop_candidates = 3;  ///< Nodes that a keyframe is matched with, those first that look most alike.
   double loop_gate = 50;    ///< Largest squared Mahalanobis length of what a loop says beside what is known.
   double loop_gain = 2;     ///< A loop that tells less, nats, is not kept.
   double false_loops = 0;   ///< For tests of robustness: such a part of the loops is replaced by false ones.
@@ -84,7 +85,7 @@ class PoseSlam {
   /// A node whose camera may have seen what the newest one sees.
   struct Candidate {
     int node = 0;
-    double apart = 0;  ///< 0: they stand alike; 1: at the limits of near_m or near_deg.
+    double likeness = 0;  ///< By words that both show.
     Pose X_FT;
     Matrix6d covariance;
   };

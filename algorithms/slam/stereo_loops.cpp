@@ -1,5 +1,7 @@
 #include "algorithms/slam/stereo_loops.h"
 
+#include <algorithm>
+
 #include "algorithms/core/errors.h"
 #include "algorithms/features/matching.h"
 #include "algorithms/geometry/rig_pose.h"
@@ -22,7 +24,32 @@ void StereoLoops::Keep(int keyframe, const StereoView& view, const StereoRig& ri
     rows.push_back(view.left.features.descriptors.row(int(i)));
   }
   if (!rows.empty()) cv::vconcat(rows, points.descriptors);
+  LearnWords(view.left.features.descriptors);
+  points.place = dictionary_->places() - 1;
   kept_[keyframe] = std::move(points);
+}
+
+/// The newest place, which shows these.
+void StereoLoops::LearnWords(const cv::Mat& descriptors) {
+  if (!dictionary_) {
+    const bool bits = descriptors.type() == CV_8UC1;
+    const double length = descriptors.empty() ? 1 : bits ? 8 * descriptors.cols : cv::norm(descriptors.row(0));
+    DictionaryOptions options;
+    options.max_distance = options_.word_radius * std::max(length, 1e-9);
+    dictionary_.emplace(options);
+  }
+  last_words_ = KnownWords(dictionary_->Learn(descriptors));
+  dictionary_->AddPlace(last_words_);
+}
+
+std::map<int, double> StereoLoops::LikeLast() const {
+  std::map<int, double> likeness;
+  if (!dictionary_) return likeness;
+  const std::vector<double> score = dictionary_->Score(last_words_, dictionary_->places() - 1);
+  for (const auto& [keyframe, points] : kept_) {
+    if (points.place < score.size()) likeness[keyframe] = score[points.place];
+  }
+  return likeness;
 }
 
 std::optional<LoopMotion> StereoLoops::Match(int keyframe, const StereoView& view, const StereoRig& rig,

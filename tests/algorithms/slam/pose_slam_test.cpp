@@ -118,6 +118,26 @@ TEST(PoseSlam, WithoutLoopsItIsTheOdometry) {
   }
 }
 
+TEST(StereoLoops, AViewLooksMostLikeTheKeyframeTakenWhereItStands) {
+  const StereoRig rig = StereoRig::Of(LoopRig());
+  const cv::Ptr<cv::Feature2D> detector = MakeFeature2d("sift", 4);
+  StereoLoops loops({}, 1);
+  for (const int frame : {0, 10, 19, 39}) {  // to the side, and back to where it began
+    StereoView view = DetectInBoth(ThereAndBack().frames[size_t(frame)], rig, *detector, 500);
+    UndoBlur(rig.left, {}, {}, view.left);
+    UndoBlur(rig.right, {}, {}, view.right);
+    view.partner = MatchStereo(rig, view.left, view.right, {});
+    loops.Keep(frame, view, rig);
+  }
+  const std::map<int, double> likeness = loops.LikeLast();
+  ASSERT_EQ(likeness.size(), 3u) << "not like itself";
+  EXPECT_GT(likeness.at(0), 2 * likeness.at(10));
+  EXPECT_GT(likeness.at(0), 2 * likeness.at(19));
+  loops.Drop(10);
+  EXPECT_EQ(loops.LikeLast().count(10), 0u);
+  EXPECT_EQ(loops.LikeLast().at(0), likeness.at(0)) << "what is not kept still tells how rare a word is";
+}
+
 TEST(PoseSlam, RefusesWhatItsOptionsDoNotAllow) {
   PoseSlamOptions options;
   options.false_loops = 2;
