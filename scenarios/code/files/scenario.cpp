@@ -273,7 +273,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
     if (scenario.sensors.odometry) calibration.odometry.rate_hz = scenario.sensors.odometry->rate_hz;
     calibration.standing.emplace();  // the robot will tell; here it only matters that it can
     if (const std::optional<std::string> lack = LackInScenario(InfoOf(scenario.system), calibration)) {
-      system.Fail(*lack);
+      throw BadInput(*lack);
     }
     CheckSettings(scenario.system, calibration, resolved.map);
   } catch (const BadInput& e) {

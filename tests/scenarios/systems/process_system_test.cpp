@@ -109,7 +109,8 @@ TEST_F(ProcessSystemTest, ASensorThatItNeedsIsAskedForBeforeTheWalk) {
   WriteProgram("slam.py", Answering(kStill));
   const ProgramResult result = Run("{process: [./slam.py], needs: [stereo]}");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("slam needs a stereo camera, which this scenario does not give it"));
+  EXPECT_THAT(result.err, HasSubstr(": system: slam needs a stereo camera, which this scenario does not give it"));
+  EXPECT_EQ(result.err.find("system: "), result.err.rfind("system: ")) << "said once";
 }
 
 TEST_F(ProcessSystemTest, ASystemThatActsWalksByItsCommands) {
