@@ -40,13 +40,13 @@ struct PoseSlamOptions {
   StereoVoOptions odometry;
   StereoLoopOptions loops;
 
-  double node_m = 0.15;     ///< A keyframe nearer than this to a node ...
-  double node_deg = 10;     ///< ... and turned less against it adds no node, unless it closes a loop.
+  double node_m = 0.25;     ///< A keyframe nearer than this to a node ...
+  double node_deg = 20;     ///< ... and turned less against it adds no node, unless it closes a loop.
   double near_m = 0.6;      ///< Two cameras so near to each other ...
   double near_deg = 30;     ///< ... and turned so little against each other may see the same.
   int loop_candidates = 3;  ///< Nodes that a keyframe is matched with, those first that look most alike.
   double loop_gate = 50;    ///< Largest squared Mahalanobis length of what a loop says beside what is known.
-  double loop_gain = 2;     ///< A loop that tells less, nats, is not kept.
+  double loop_gain = 8;     ///< A loop that tells less, nats, is not kept.
   double false_loops = 0;   ///< For tests of robustness: such a part of the loops is replaced by false ones.
 };
 
