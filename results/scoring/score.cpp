@@ -103,6 +103,7 @@ Scores ScoreEstimate(const Estimate& estimate, const Trajectory& truth, const st
                      const ScoreOptions& options) {
   CheckFields(options, "score.");
   Scores s;
+  s.remarks = estimate.remarks;
   s.last.pairs = AssociatePoses(estimate.frames, truth, options.association);
   const Coverage coverage =
       MeasureCoverage(estimate.frames, estimate.keyframes_only, truth, s.last.pairs, frame_stamps);

@@ -38,6 +38,9 @@ std::optional<Scores> ScoreAgainstTruthBeside(const Estimate& estimate, const fs
 void PrintOutcome(const TrackArguments& arguments, const Estimate& estimate, const std::optional<Scores>& scores,
                   const fs::path& out, const std::string& system) {
   if (scores) fmt::print("{}\n", SummaryText(*scores, {}, arguments.all));
+  if (!scores) {
+    for (const std::string& remark : estimate.remarks) fmt::print("note: {}\n", remark);
+  }
   fmt::print("estimate: {} ({} of {} frames have a pose)\n", out.string(), estimate.ToTrajectory().size(),
              estimate.frames.size());
   if (!estimate.failure.empty()) fmt::print("\n{} FAILED: {}\n", system, estimate.failure);

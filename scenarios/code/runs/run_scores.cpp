@@ -40,7 +40,6 @@ RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std:
   const ScoreOptions& options = resolved.scenario.score;
   try {
     Scores scores = ScorePoses(estimate, truth, frame_stamps, options);
-    scores.remarks.insert(scores.remarks.begin(), estimate.remarks.begin(), estimate.remarks.end());
     const Trajectory taught = TaughtTruth(resolved);
     run.maps = ResultsOf(estimate.maps,
                          {resolved.scene, truth, taught, scores, options.places.value_or(PlaceGraphScoreOptions())});
