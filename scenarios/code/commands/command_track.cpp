@@ -37,8 +37,9 @@ std::optional<Scores> ScoreAgainstTruthBeside(const Estimate& estimate, const fs
 
 void PrintOutcome(const TrackArguments& arguments, const Estimate& estimate, const std::optional<Scores>& scores,
                   const fs::path& out, const std::string& system) {
-  if (scores) fmt::print("{}\n", SummaryText(*scores, {}, arguments.all));
-  if (!scores) {
+  if (scores) {
+    fmt::print("{}\n", SummaryText(*scores, {}, arguments.all));
+  } else {
     for (const std::string& remark : estimate.remarks) fmt::print("note: {}\n", remark);
   }
   fmt::print("estimate: {} ({} of {} frames have a pose)\n", out.string(), estimate.ToTrajectory().size(),
