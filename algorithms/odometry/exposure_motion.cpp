@@ -36,6 +36,9 @@ bool ExposureMotion::HasGyro() const {
 
 void ExposureMotion::AddPose(int64_t stamp_ns, const Pose& X_WC) {
   poses_.push_back({stamp_ns, X_WC});
+  if (poses_.size() < 2) return;
+  const StampedPose& last = poses_[poses_.size() - 2];
+  if (last.stamp_ns < stamp_ns) LearnVelocity(last, poses_.back());
   if (poses_.size() < 3) return;
   if (poses_.size() > 3) poses_.erase(poses_.begin());
   const double before_s = double(poses_[1].stamp_ns - poses_[0].stamp_ns) * 1e-9;
@@ -64,10 +67,95 @@ std::vector<ExposureRotation> ExposureMotion::Rotations() const {
   return rotations;
 }
 
+/// The IMU goes uniformly; the camera also turns about it.
+std::vector<Pose> ExposureMotion::Path() const {
+  const Eigen::Vector3d velocity = Velocity(), p_I = OriginOfImu();
+  std::vector<Pose> path;
+  for (const ExposureRotation& r : Rotations()) {
+    const Eigen::Quaterniond R_MT = r.rotation.conjugate();
+    const double seconds = 1e-9 * double(r.stamp_ns - stamp_ns_);
+    path.push_back(Pose(R_MT, velocity * seconds + p_I - R_MT * p_I).Inverse());
+  }
+  return path;
+}
+
+/// In the camera, m; without IMU the camera's own.
+Eigen::Vector3d ExposureMotion::OriginOfImu() const {
+  return HasGyro() ? imu_.X_CI.translation : Eigen::Vector3d::Zero();
+}
+
+bool ExposureMotion::KnowsVelocity() const {
+  constexpr int64_t kLongAgo_ns = 300'000'000;
+  return poses_.size() >= 2 && stamp_ns_ - poses_.back().stamp_ns <= kLongAgo_ns;
+}
+
+/// Its velocity at mid-exposure, m/s in the camera.
+Eigen::Vector3d ExposureMotion::Velocity() const {
+  if (!KnowsVelocity()) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d velocity_W = velocity_W_ + ChangeSince(poses_.back(), stamp_ns_).velocity;
+  return (poses_.back().pose.rotation * TurnSinceLastPose()).conjugate() * velocity_W;
+}
+
+/// Visits instants between a pose and the present: (specific force in the world, seconds for which it holds, seconds
+/// that remain after half of these). None without an IMU.
+template <class Visit>
+void ExposureMotion::IntegrateForce(const StampedPose& from, int64_t to_ns, Visit visit) const {
+  if (!HasGyro() || to_ns <= from.stamp_ns) return;
+  const auto turns = IntegrateRotation(readings_, imu_, from.stamp_ns, to_ns, kSteps);
+  const double step_s = 1e-9 * double(to_ns - from.stamp_ns) / (kSteps - 1);
+  for (int i = 0; i < kSteps; ++i) {
+    const double holds_s = i == 0 || i == kSteps - 1 ? 0.5 * step_s : step_s;
+    const double remain_s = i == 0            ? (kSteps - 1.25) * step_s
+                            : i == kSteps - 1 ? 0.25 * step_s
+                                              : (kSteps - 1 - i) * step_s;
+    const Eigen::Quaterniond R_WT = from.pose.rotation * turns.front().rotation * turns[size_t(i)].rotation.conjugate();
+    visit(R_WT * (imu_.X_CI.rotation * ReadingAt(turns[size_t(i)].stamp_ns).specific_force), holds_s, remain_s);
+  }
+}
+
+ExposureMotion::Change ExposureMotion::ChangeSince(const StampedPose& from, int64_t to_ns) const {
+  Change change;
+  IntegrateForce(from, to_ns, [&](const Eigen::Vector3d& force_W, double holds_s, double remain_s) {
+    const Eigen::Vector3d step = holds_s * (force_W - force_W_);
+    change.velocity += step;
+    change.position += remain_s * step;
+  });
+  return change;
+}
+
+/// Over a walk the head stays at one speed: the mean specific force is gravity's.
+void ExposureMotion::LearnVelocity(const StampedPose& before, const StampedPose& now) {
+  IntegrateForce(before, now.stamp_ns, [&](const Eigen::Vector3d& force_W, double holds_s, double) {
+    force_s_ += holds_s;
+    force_W_ += holds_s / force_s_ * (force_W - force_W_);
+  });
+  const double seconds = 1e-9 * double(now.stamp_ns - before.stamp_ns);
+  const Eigen::Vector3d p_I = OriginOfImu();
+  const Change change = ChangeSince(before, now.stamp_ns);
+  const Eigen::Vector3d before_W = (now.pose * p_I - before.pose * p_I - change.position) / seconds;
+  constexpr double kGain = 0.25;  // of what two poses say; their errors are opposite in the next such measurement
+  if (poses_.size() == 2 || !HasGyro()) {
+    velocity_W_ = before_W;
+  } else {
+    velocity_W_ += kGain * (before_W - velocity_W_);
+  }
+  velocity_W_ += change.velocity;
+}
+
 Eigen::Quaterniond ExposureMotion::TurnSinceLastPose() const {
   if (!HasGyro() || poses_.empty() || poses_.back().stamp_ns >= stamp_ns_) return Eigen::Quaterniond::Identity();
   const auto turns = IntegrateRotation(readings_, imu_, poses_.back().stamp_ns, stamp_ns_, 2);
   return turns.front().rotation * turns.back().rotation.conjugate();
+}
+
+Pose ExposureMotion::PredictPose() const {
+  const Pose& last = poses_.back().pose;
+  const Eigen::Quaterniond R_WC = last.rotation * TurnSinceLastPose();
+  if (!KnowsVelocity()) return {R_WC, last.translation};
+  const double seconds = 1e-9 * double(stamp_ns_ - poses_.back().stamp_ns);
+  const Eigen::Vector3d p_I = OriginOfImu();
+  const Change change = ChangeSince(poses_.back(), stamp_ns_);
+  return {R_WC, last * p_I + seconds * velocity_W_ + change.position - R_WC * p_I};
 }
 
 double ExposureMotion::TurnSigma() const {
@@ -77,16 +165,16 @@ double ExposureMotion::TurnSigma() const {
   if (!HasGyro() || !(seconds > 0)) return kHead_rad_s * std::max(0.0, seconds);
   constexpr double kMisaligned_rad = 0.5 * kRadPerDeg, kOffset_s = 2e-3, kBias_rad_s = 0.01;
   const double turn = RotationAngle(Eigen::Quaterniond::Identity(), TurnSinceLastPose());
-  const double change = (RateAt(stamp_ns_) - RateAt(poses_.back().stamp_ns)).norm();
+  const double change = (ReadingAt(stamp_ns_).angular_rate - ReadingAt(poses_.back().stamp_ns).angular_rate).norm();
   return Eigen::Vector3d(kMisaligned_rad * turn, kOffset_s * change, kBias_rad_s * seconds).norm();
 }
 
-/// The gyroscope's reading next to an instant.
+/// The first at or after an instant.
 /// @pre HasGyro()
-const Eigen::Vector3d& ExposureMotion::RateAt(int64_t stamp_ns) const {
+const ImuSample& ExposureMotion::ReadingAt(int64_t stamp_ns) const {
   const auto after = std::lower_bound(readings_.begin(), readings_.end(), stamp_ns,
                                       [](const ImuSample& reading, int64_t at) { return reading.stamp_ns < at; });
-  return after == readings_.end() ? readings_.back().angular_rate : after->angular_rate;
+  return after == readings_.end() ? readings_.back() : *after;
 }
 
 Eigen::Matrix3d ExposureMotion::TurnSpread() const {

@@ -1,5 +1,5 @@
-/// How the camera turned while and between exposures: by the gyroscope where there is one, else as it last turned from
-/// frame to frame.
+/// How the camera moved while and between exposures: it turned by the gyroscope where there is one, and went as fast as
+/// from one pose to the next, changed since by the accelerometer; without an IMU, as it last moved from frame to frame.
 ///
 /// A key point of a blurred image does not lie where its point was at mid-exposure, which is what the frame's stamp
 /// means: see BlurOffset (keypoint_noise.h).
@@ -32,10 +32,18 @@ class ExposureMotion {
   bool HasGyro() const;
   /// Rotations over the present frame's exposure against its middle; none if it took no time or nothing is known.
   std::vector<ExposureRotation> Rotations() const;
+  /// Where the camera was over the present frame's exposure, at equally spaced instants, as poses that map points of
+  /// the camera at mid-exposure into the camera then. None where Rotations() has none.
+  std::vector<Pose> Path() const;
   /// From the present frame's camera into the last frame's that had a pose; the identity where nothing is known.
   Eigen::Quaterniond TurnSinceLastPose() const;
-  /// How wrong that may be, one standard deviation about each axis, rad: by a gyroscope as a bench calibrates it (0.5
-  /// deg of misalignment, 2 ms of offset, 0.01 rad/s of bias), or, without one, as fast as a head turns.
+  /// Where the present frame's camera is: turned since the last pose, and, if that is less than 0.3 s old, moved.
+  /// @pre a pose was added
+  Pose PredictPose() const;
+  /// Whether that was measured all the way.
+  bool PredictsPosition() const { return HasGyro() && KnowsVelocity(); }
+  /// How wrong the turn may be, one standard deviation about each axis, rad: by a gyroscope as a bench calibrates it
+  /// (0.5 deg of misalignment, 2 ms of offset, 0.01 rad/s of bias), or, without one, as fast as a head turns.
   double TurnSigma() const;
 
   /// Covariance over the exposure of the turn against its middle, rad^2. Of a uniform turn by a it is a^2 / 12.
@@ -49,15 +57,30 @@ class ExposureMotion {
   Matrix6d UnknownMotion(double part) const;
 
  private:
-  const Eigen::Vector3d& RateAt(int64_t stamp_ns) const;
+  const ImuSample& ReadingAt(int64_t stamp_ns) const;
+  /// What the IMU's origin did between two instants beside moving uniformly.
+  struct Change {
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), position = Eigen::Vector3d::Zero();
+  };
+  template <class Visit>
+  void IntegrateForce(const StampedPose& from, int64_t to_ns, Visit visit) const;
+  Change ChangeSince(const StampedPose& from, int64_t to_ns) const;
+  void LearnVelocity(const StampedPose& before, const StampedPose& now);
+  Eigen::Vector3d OriginOfImu() const;
+  bool KnowsVelocity() const;
+  Eigen::Vector3d Velocity() const;
 
   ImuCalibration imu_;
   bool use_imu_;
   std::vector<ImuSample> readings_;  ///< Those that the present frame and the time since the last one need.
   int64_t stamp_ns_ = 0, open_ns_ = 0, close_ns_ = 0;
   std::vector<StampedPose> poses_;  ///< The latest, at most three.
-  double acceleration2_ = 0;        ///< Mean square of a coordinate, (m/s^2)^2 ...
-  double turn_acceleration2_ = 0;   ///< ... and (rad/s^2)^2, over the latest frames.
+  /// Of what Path() takes to move uniformly, at the latest pose: the IMU's origin, or the camera's; m/s in the world.
+  Eigen::Vector3d velocity_W_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force_W_ = Eigen::Vector3d::Zero();  ///< Mean specific force so far: gravity's, upwards.
+  double force_s_ = 0;                                 ///< Over so much time.
+  double acceleration2_ = 0;                           ///< Mean square of a coordinate, (m/s^2)^2 ...
+  double turn_acceleration2_ = 0;                      ///< ... and (rad/s^2)^2, over the latest frames.
 };
 
 }  // namespace gaitcam

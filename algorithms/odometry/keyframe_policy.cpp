@@ -15,7 +15,9 @@ bool KeyframePolicy::IsKeyframe(const SinceKeyframe& frame) {
   if (waiting_frames_ == 0 && !IsDue(frame)) return false;
   ++waiting_frames_;
   const bool is_nearly_lost = count < 2 * min_inliers_;
-  return (count >= mean_inliers_ && frame.is_sharp) || is_nearly_lost || waiting_frames_ > options_.max_wait_frames;
+  if (is_nearly_lost || waiting_frames_ > 2 * options_.max_wait_frames) return true;
+  const bool sees_well = count >= mean_inliers_;
+  return waiting_frames_ > options_.max_wait_frames ? sees_well || frame.is_sharp : sees_well && frame.is_sharp;
 }
 
 bool KeyframePolicy::IsDue(const SinceKeyframe& frame) const {

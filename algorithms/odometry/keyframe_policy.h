@@ -14,7 +14,9 @@ struct KeyframePolicyOptions {
   double keyframe_displacement_px = 8;  ///< Median displacement by parallax since the last keyframe; 0: every frame.
   double keyframe_turn_deg = 12;        ///< Rotation since the last keyframe.
   double keyframe_overlap = 0.6;        ///< Inliers lately over the most in a frame since the last keyframe.
-  int max_wait_frames = 10;             ///< A due keyframe waits at most so long for a frame that sees well.
+  /// A due keyframe waits so long for a frame that sees well and is sharp, as long again for one of these, and no
+  /// longer.
+  int max_wait_frames = 10;
 };
 
 template <class Visitor>

@@ -11,49 +11,56 @@ namespace gaitcam {
 namespace {
 
 /// Where the image of a point was against mid-exposure, at each instant at which it is seen.
-std::vector<Eigen::Vector2d> LightPath(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
-                                       const Eigen::Vector2d& pixel) {
+std::vector<Eigen::Vector2d> LightPath(const CameraModel& camera, const std::vector<Pose>& path,
+                                       const Eigen::Vector2d& pixel, double inverse_depth) {
   const Eigen::Vector3d ray = camera.Unproject(pixel);
-  std::vector<Eigen::Vector2d> path;
-  for (const ExposureRotation& r : rotations) {
-    if (const auto at = camera.Project(r.rotation * ray)) path.push_back(*at - pixel);
+  std::vector<Eigen::Vector2d> light;
+  for (const Pose& X_TM : path) {
+    if (const auto at = camera.Project(X_TM.rotation * ray + inverse_depth * X_TM.translation)) {
+      light.push_back(*at - pixel);
+    }
   }
-  return path;
+  return light;
+}
+
+/// Of each coordinate, px^2: what a sharp image leaves.
+double SharpVariance(const cv::KeyPoint& keypoint, const KeypointNoiseOptions& o) {
+  return std::pow(o.sigma_px, 2) + std::pow(o.sigma_per_size * double(keypoint.size), 2);
 }
 
 }  // namespace
 
-Eigen::Matrix2d BlurSpread(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
-                           const Eigen::Vector2d& pixel) {
-  const std::vector<Eigen::Vector2d> path = LightPath(camera, rotations, pixel);
-  if (path.empty()) return Eigen::Matrix2d::Zero();
+Eigen::Matrix2d BlurSpread(const CameraModel& camera, const std::vector<Pose>& path, const Eigen::Vector2d& pixel,
+                           double inverse_depth) {
+  const std::vector<Eigen::Vector2d> light = LightPath(camera, path, pixel, inverse_depth);
+  if (light.empty()) return Eigen::Matrix2d::Zero();
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& at : path) mean += at / double(path.size());
+  for (const Eigen::Vector2d& at : light) mean += at / double(light.size());
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  for (const Eigen::Vector2d& at : path) spread += (at - mean) * (at - mean).transpose() / double(path.size());
+  for (const Eigen::Vector2d& at : light) spread += (at - mean) * (at - mean).transpose() / double(light.size());
   return spread;
 }
 
-Eigen::Vector2d BlurOffset(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
-                           const Eigen::Vector2d& pixel, double sigma_px) {
-  const std::vector<Eigen::Vector2d> path = LightPath(camera, rotations, pixel);
-  if (path.empty()) return Eigen::Vector2d::Zero();
+Eigen::Vector2d BlurOffset(const CameraModel& camera, const std::vector<Pose>& path, const Eigen::Vector2d& pixel,
+                           double inverse_depth, double sigma_px) {
+  const std::vector<Eigen::Vector2d> light = LightPath(camera, path, pixel, inverse_depth);
+  if (light.empty()) return Eigen::Vector2d::Zero();
   const auto weight = [&](const Eigen::Vector2d& at, const Eigen::Vector2d& x) {
     return std::exp(-0.5 * (at - x).squaredNorm() / (sigma_px * sigma_px));
   };
   const auto density = [&](const Eigen::Vector2d& x) {
     double sum = 0;
-    for (const Eigen::Vector2d& at : path) sum += weight(at, x);
+    for (const Eigen::Vector2d& at : light) sum += weight(at, x);
     return sum;
   };
-  Eigen::Vector2d x = path.front();
-  for (const Eigen::Vector2d& at : path) {
+  Eigen::Vector2d x = light.front();
+  for (const Eigen::Vector2d& at : light) {
     if (density(at) > density(x)) x = at;
   }
   constexpr int kShifts = 10;  // of the mean (D. Comaniciu and P. Meer, "Mean shift", 2002)
   for (int i = 0; i < kShifts; ++i) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (const Eigen::Vector2d& at : path) sum += weight(at, x) * at;
+    for (const Eigen::Vector2d& at : light) sum += weight(at, x) * at;
     x = sum / density(x);
   }
   return x;
@@ -91,13 +98,21 @@ Eigen::Matrix2d NoiseBound(const cv::Mat& grey, const cv::KeyPoint& keypoint, do
   return variance * axes.eigenvectors() * information.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose();
 }
 
+double PointsPerError(const std::vector<cv::KeyPoint>& keypoints, const std::vector<Eigen::Matrix2d>& covariances_px,
+                      const KeypointNoiseOptions& o) {
+  double sharp_share = 0;
+  for (size_t i = 0; i < keypoints.size(); ++i) {
+    sharp_share += SharpVariance(keypoints[i], o) / (0.5 * covariances_px[i].trace()) / double(keypoints.size());
+  }
+  return o.points_per_blur_error + std::min(1.0, sharp_share) * (o.points_per_error - o.points_per_blur_error);
+}
+
 Eigen::Matrix2d KeypointCovariance(const cv::KeyPoint& keypoint, const Eigen::Matrix2d& spread,
                                    const Eigen::Matrix2d& bound, const KeypointNoiseOptions& o) {
   constexpr double kExtent2PerSpread = 12;
   const double across = kExtent2PerSpread * std::pow(o.sigma_across_blur, 2);
   const double along = kExtent2PerSpread * std::pow(o.sigma_per_blur, 2) - across;
-  const double isotropic =
-      std::pow(o.sigma_px, 2) + std::pow(o.sigma_per_size * keypoint.size, 2) + across * spread.trace();
+  const double isotropic = SharpVariance(keypoint, o) + across * spread.trace();
   return isotropic * Eigen::Matrix2d::Identity() + along * spread + std::pow(o.sigma_per_noise, 2) * bound;
 }
 

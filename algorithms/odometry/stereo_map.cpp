@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "algorithms/core/units.h"
 #include "algorithms/features/matching.h"
@@ -71,6 +72,7 @@ void StereoMap::AddKeyframe(const StereoView& view, const Pose& X_WC, const std:
   grown_.push_back(Matrix6d::Zero());
   keyframes_.push_back(X_WC);
   own_.push_back(Matrix6d::Zero());
+  points_per_error_.push_back(view.points_per_error);
   for (size_t m = 0; m < matches.size(); ++m) {
     if (use[m] == SightingUse::kNone) continue;
     StereoLandmark& landmark = landmarks_[size_t(matches[m].landmark)];
@@ -191,7 +193,10 @@ void StereoMap::GrowShared(const StereoBundleResult& result) {
   const Matrix6d& whole = result.camera_covariances.back();
   const Pose X_ON = keyframes_[oldest].Inverse() * keyframes_[newest];
   const Matrix6d grown = whole - own_[newest] - CarryCovariance(own_[oldest], X_ON);
-  grown_[newest] = options_.points_per_error * PositivePart(grown, whole) / double(newest - oldest);
+  const double points_per_error =
+      std::accumulate(points_per_error_.begin() + std::ptrdiff_t(oldest), points_per_error_.end(), 0.0) /
+      double(newest - oldest + 1);
+  grown_[newest] = points_per_error * PositivePart(grown, whole) / double(newest - oldest);
 }
 
 Matrix6d StereoMap::GrownBetween(int from, int to) const {

@@ -44,7 +44,6 @@ struct StereoMapOptions {
   int window = 10;            ///< Keyframes refined together, >= 2.
   int adjust_iterations = 8;  ///< Largest number of iterations of one adjustment.
   double outlier_sigmas = 3.5;
-  double points_per_error = 1;  ///< Points whose errors hang together so that they count as one.
   double rig_rotation_deg = 0;  ///< Standard deviation of X_LR's rotation as calibrated, per axis; 0: exact.
   LensUncertainty lens;
 };
@@ -89,7 +88,9 @@ class StereoMap {
   Matrix6d SharedCovariance(int keyframe) const { return GrownBetween(0, keyframe); }
   /// What a keyframe's own images add to the error of its pose, in its tangent, the landmarks being exact. Positive
   /// semidefinite; zero where no other keyframe saw what it sees.
-  Matrix6d OwnCovariance(int keyframe) const { return options_.points_per_error * own_[size_t(keyframe)]; }
+  Matrix6d OwnCovariance(int keyframe) const { return PointsPerError(keyframe) * own_[size_t(keyframe)]; }
+  /// So many of a keyframe's points count as one, their errors hanging together.
+  double PointsPerError(int keyframe) const { return points_per_error_[size_t(keyframe)]; }
   /// What the lenses' calibration does to the motion between two keyframes, beside all covariances.
   LensErrors LensErrorsBetween(int from, int to) const;
   /// The same of the motion from a keyframe K to a frame.
@@ -116,10 +117,11 @@ class StereoMap {
   Matrix6d rig_covariance_;  ///< Of prior_X_LR_.
   int prior_keyframe_ = 0;   ///< Whose window the prior came from.
   std::vector<Pose> keyframes_;
-  std::vector<Matrix6d> grown_;          ///< Of each keyframe, what came between the one before and it.
-  std::vector<Matrix6d> own_;            ///< Of each keyframe, the error of its own images.
-  std::vector<LensErrors> lens_errors_;  ///< Of each keyframe, of the motion from the one before it.
-  int first_keyframe_ = 0;               ///< Of the present map.
+  std::vector<Matrix6d> grown_;           ///< Of each keyframe, what came between the one before and it.
+  std::vector<Matrix6d> own_;             ///< Of each keyframe, the error of its own images.
+  std::vector<double> points_per_error_;  ///< Of each keyframe.
+  std::vector<LensErrors> lens_errors_;   ///< Of each keyframe, of the motion from the one before it.
+  int first_keyframe_ = 0;                ///< Of the present map.
   std::vector<StereoLandmark> landmarks_;
   std::vector<int> active_;  ///< Those that are not retired.
 };

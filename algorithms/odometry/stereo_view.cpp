@@ -142,21 +142,44 @@ void RefuseSwapped(const StereoRig& rig, const StereoView& view) {
   }
 }
 
-void UndoBlur(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
+void UndoBlur(const CameraModel& camera, const std::vector<Pose>& path, const std::vector<double>& inverse_depths,
               const KeypointNoiseOptions& noise, CameraFeatures& features) {
   const Eigen::Matrix2d per_focal = Eigen::Vector2d(1 / camera.fx, 1 / camera.fy).asDiagonal();
   features.covariance_px.clear();
   features.covariance.clear();
   for (size_t i = 0; i < features.size(); ++i) {
     const cv::KeyPoint& keypoint = features.features.keypoints[i];
-    Eigen::Vector2d& pixel = features.pixel[i];
-    const Eigen::Matrix2d spread = BlurSpread(camera, rotations, pixel);
-    pixel -= BlurOffset(camera, rotations, pixel, noise.offset_scale * keypoint.size);
+    const double inverse_depth = inverse_depths.empty() ? 0 : inverse_depths[i];
+    const Eigen::Vector2d seen(keypoint.pt.x, keypoint.pt.y);
+    const Eigen::Matrix2d spread = BlurSpread(camera, path, seen, inverse_depth);
+    const Eigen::Vector2d pixel =
+        seen - BlurOffset(camera, path, seen, inverse_depth, noise.offset_scale * keypoint.size);
+    features.pixel[i] = pixel;
     features.xy[i] = camera.Unproject(pixel).head<2>();
     features.covariance_px.push_back(KeypointCovariance(keypoint, spread, features.noise_px[i], noise));
     const Eigen::Matrix2d J = camera.DistortionJacobian(features.xy[i]).inverse() * per_focal;
     features.covariance.push_back(J * features.covariance_px.back() * J.transpose());
   }
+}
+
+std::vector<double> InverseDepths(const StereoRig& rig, const StereoView& view) {
+  std::vector<double> inverse_depths(view.left.size(), 0);
+  std::vector<size_t> known;
+  for (size_t i = 0; i < view.left.size(); ++i) {
+    if (view.partner[i] < 0) continue;
+    const StereoPoint point = ReconstructPoint(rig, view.Sighting(i));
+    if (!point.ok()) continue;
+    inverse_depths[i] = 1 / point.p_L.z();
+    known.push_back(i);
+  }
+  if (known.empty()) return {};
+  for (size_t i = 0; i < view.left.size(); ++i) {
+    if (inverse_depths[i] > 0) continue;
+    const auto distance2 = [&](size_t k) { return (view.left.pixel[k] - view.left.pixel[i]).squaredNorm(); };
+    inverse_depths[i] = inverse_depths[*std::min_element(
+        known.begin(), known.end(), [&](size_t a, size_t b) { return distance2(a) < distance2(b); })];
+  }
+  return inverse_depths;
 }
 
 std::vector<int> MatchStereo(const StereoRig& rig, const CameraFeatures& left, const CameraFeatures& right,

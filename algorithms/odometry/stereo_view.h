@@ -47,7 +47,8 @@ struct CameraFeatures {
 
 struct StereoView {
   CameraFeatures left, right;
-  std::vector<int> partner;  ///< Of each left feature the right one; -1: none.
+  std::vector<int> partner;     ///< Of each left feature the right one; -1: none.
+  double points_per_error = 1;  ///< So many left features count as one in what keyframes add (PointsPerError).
 
   StereoSighting Sighting(size_t i) const;
   /// Of all left features that have a partner.
@@ -71,10 +72,15 @@ StereoView DetectInBoth(const Observation& observation, const StereoRig& rig, cv
 /// @throws BadInput if left and right images are swapped, as their matches by descriptors alone tell. @pre UndoBlur.
 void RefuseSwapped(const StereoRig& rig, const StereoView& view);
 
-/// Moves each feature to where its point was at mid-exposure, and says how exactly it is known.
-/// @param rotations of this camera over the exposure; empty: as if nothing had moved
-void UndoBlur(const CameraModel& camera, const std::vector<ExposureRotation>& rotations,
+/// Moves each feature to where its point was at mid-exposure, and says how exactly it is known. May be repeated.
+/// @param path of this camera over the exposure, as of BlurSpread; empty: as if nothing had moved
+/// @param inverse_depths of each feature, 1/m; empty: all far
+void UndoBlur(const CameraModel& camera, const std::vector<Pose>& path, const std::vector<double>& inverse_depths,
               const KeypointNoiseOptions& noise, CameraFeatures& features);
+
+/// Of each left feature, 1/m: by its partner, or that of the nearest feature in the image that has one. Empty where
+/// none has.
+std::vector<double> InverseDepths(const StereoRig& rig, const StereoView& view);
 
 /// Pairs left and right features along epipolar lines, each other's nearest by descriptors.
 std::vector<int> MatchStereo(const StereoRig& rig, const CameraFeatures& left, const CameraFeatures& right,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -27,7 +28,6 @@ StereoMapOptions MapOptions(const StereoVoOptions& o, const LensUncertainty& len
   constexpr double kSlack = 0.5;  // what a pose was estimated from is not removed at once
   options.outlier_sigmas = o.outlier_sigmas + kSlack;
   options.rig_rotation_deg = o.rig_rotation_deg;
-  options.points_per_error = o.noise.points_per_error;
   return options;
 }
 
@@ -99,9 +99,11 @@ class StereoVo::Tracker {
   };
 
   std::optional<StereoView> View(const Observation& observation);
+  void UndoBlurOfNear(const std::vector<Pose>& of_left, const std::vector<Pose>& of_right, StereoView& view) const;
   bool Begin(const StereoView& view, Record& record);
   bool Localize(const StereoView& view, Record& record);
   std::optional<Localized> FindPose(const StereoView& view);
+  bool IsBeyondChance(const RigPoseResult& result, const std::vector<RigSighting>& sightings, double radius) const;
   std::optional<Localized> Refined(const StereoView& view, const Localized& rough, const RigPosePrior& prior) const;
   RigPosePrior Prior() const;
   std::vector<RigSighting> Sightings(const StereoView& view, const std::vector<StereoMatch>& matches) const;
@@ -162,15 +164,30 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
 std::optional<StereoView> StereoVo::Tracker::View(const Observation& observation) {
   if (!IsPair(observation, records_.empty())) return {};
   StereoView view = DetectInBoth(observation, rig_, *detector_, options_.max_features);
-  const std::vector<ExposureRotation> rotations = motion_.Rotations();
-  UndoBlur(rig_.left, rotations, options_.noise, view.left);
-  std::vector<ExposureRotation> of_right = rotations;
-  const Eigen::Quaterniond R_LR = map_.rig().X_LR.rotation;
-  for (ExposureRotation& r : of_right) r.rotation = R_LR.conjugate() * r.rotation * R_LR;
-  UndoBlur(rig_.right, of_right, options_.noise, view.right);
+  const std::vector<Pose> path = motion_.Path();
+  std::vector<Pose> of_right = path;
+  const Pose X_LR = map_.rig().X_LR;
+  for (Pose& X_TM : of_right) X_TM = X_LR.Inverse() * X_TM * X_LR;
+  UndoBlur(rig_.left, path, {}, options_.noise, view.left);
+  UndoBlur(rig_.right, of_right, {}, options_.noise, view.right);
   view.partner = MatchStereo(map_.rig(), view.left, view.right, options_.stereo);
+  UndoBlurOfNear(path, of_right, view);
+  view.points_per_error = PointsPerError(view.left.features.keypoints, view.left.covariance_px, options_.noise);
   if (records_.empty()) RefuseSwapped(rig_, view);
   return view;
+}
+
+/// Now that depths are known. Partners have much the same one.
+void StereoVo::Tracker::UndoBlurOfNear(const std::vector<Pose>& of_left, const std::vector<Pose>& of_right,
+                                       StereoView& view) const {
+  const std::vector<double> inverse_depths = InverseDepths(map_.rig(), view);
+  if (of_left.empty() || inverse_depths.empty()) return;
+  std::vector<double> right(view.right.size(), 0);
+  for (size_t i = 0; i < view.left.size(); ++i) {
+    if (view.partner[i] >= 0) right[size_t(view.partner[i])] = inverse_depths[i];
+  }
+  UndoBlur(rig_.left, of_left, inverse_depths, options_.noise, view.left);
+  UndoBlur(rig_.right, of_right, right, options_.noise, view.right);
 }
 
 /// The first keyframe of a map, where the last known pose was.
@@ -217,17 +234,32 @@ bool StereoVo::Tracker::Localize(const StereoView& view, Record& record) {
 std::optional<StereoVo::Tracker::Localized> StereoVo::Tracker::FindPose(const StereoView& view) {
   const RigPosePrior prior = Prior();
   const double f = rig_.left.fx;
-  for (const bool anywhere : {false, true}) {
+  std::vector<double> radii = {options_.search_px / f, std::numeric_limits<double>::infinity()};
+  if (motion_.PredictsPosition()) radii.insert(radii.begin(), options_.predicted_px / f);
+  for (const double radius : radii) {
     Localized rough;
-    rough.matches = anywhere ? map_.SearchAnywhere(view, options_.ratio)
-                             : map_.SearchNear(view, prior.X_WC, options_.search_px / f, options_.ratio);
-    const auto result = EstimateRigPose(Sightings(view, rough.matches), map_.rig().X_LR, prior, options_.min_inliers,
-                                        pose_options_, random_);
-    if (!result) continue;
+    rough.matches = std::isinf(radius) ? map_.SearchAnywhere(view, options_.ratio)
+                                       : map_.SearchNear(view, prior.X_WC, radius, options_.ratio);
+    const std::vector<RigSighting> sightings = Sightings(view, rough.matches);
+    const auto result =
+        EstimateRigPose(sightings, map_.rig().X_LR, prior, options_.min_inliers, pose_options_, random_);
+    if (!result || !IsBeyondChance(*result, sightings, radius)) continue;
     rough.result = *result;
     if (auto refined = Refined(view, rough, prior)) return refined;
   }
   return {};
+}
+
+/// Of matches that lie anywhere within the radius, some fit by chance: as many as a Poisson distribution gives, to
+/// three standard deviations, are none.
+bool StereoVo::Tracker::IsBeyondChance(const RigPoseResult& result, const std::vector<RigSighting>& sightings,
+                                       double radius) const {
+  double chance = 0;
+  for (const RigSighting& sighting : sightings) {
+    const double area = std::pow(options_.outlier_sigmas, 2) * std::sqrt(sighting.covariance_left.determinant());
+    chance += std::min(1.0, area / (radius * radius));
+  }
+  return double(result.inliers) > chance + 3 * std::sqrt(chance);
 }
 
 /// Searched again near where the landmarks project from a pose.
@@ -252,7 +284,7 @@ std::vector<RigSighting> StereoVo::Tracker::Sightings(const StereoView& view,
 
 Pose StereoVo::Tracker::PredictPose() const {
   if (!last_) return {};
-  return last_->pose * Pose(motion_.TurnSinceLastPose(), {0, 0, 0});
+  return motion_.PredictPose();
 }
 
 /// As far as a robot's head gets in the time since the last pose, and turned as the gyroscope says.

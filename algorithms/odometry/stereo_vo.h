@@ -4,7 +4,7 @@
 /// Composed of
 /// - StereoView: features of both images, matched along epipolar lines of the unrectified rig;
 /// - KeypointNoise: a covariance of every feature, by its scale and the blur;
-/// - ExposureMotion: the camera's turn over the exposure, by the gyroscope where there is one;
+/// - ExposureMotion: the camera's path over the exposure and since the last frame, by an IMU where there is one;
 /// - StereoMap: keyframes and landmarks, and their adjustment, with the rig's rotation as an unknown;
 /// - RefineRigPose (algorithms/geometry/rig_pose.h): a frame's pose, and what its error is made of;
 /// - KeyframePolicy: a robot that stands adds none, and does not drift.
@@ -49,14 +49,15 @@ struct StereoVoOptions {
   KeyframePolicyOptions policy;
 
   double ratio = 0.85;             ///< Nearest over second nearest descriptor distance of a landmark's candidates.
-  double search_px = 60;           ///< Radius around its prediction in which a landmark is searched for first.
+  double predicted_px = 10;        ///< Radius in which a landmark is searched for first where an IMU predicts the pose.
+  double search_px = 60;           ///< The same without one, or else.
   double narrow_px = 6;            ///< And again, from the pose found.
   double outlier_sigmas = 3.5;     ///< Largest Mahalanobis distance of an inlier.
   int min_inliers = 15;            ///< With fewer a frame has no pose.
   int window = 12;                 ///< Keyframes refined together.
   int adjust_iterations = 8;       ///< Largest number of iterations of one adjustment.
   double rig_rotation_deg = 0.05;  ///< Standard deviation of the right camera's rotation as calibrated; 0: exact.
-  bool use_imu = true;             ///< Use the gyroscope where there is one.
+  bool use_imu = true;             ///< Use the IMU where there is one.
   int max_lost_frames = 15;        ///< Frames without a pose after which the map is begun anew.
 };
 
@@ -69,6 +70,7 @@ void VisitFields(Visitor& visit, StereoVoOptions& o) {
   VisitFields(visit, o.stereo);
   VisitFields(visit, o.policy);
   visit("ratio", o.ratio, Between(0.1, 1.0), "ratio test: nearest over second nearest descriptor distance");
+  visit("predicted_px", o.predicted_px, Between(1.0, 10000.0), "search radius where an IMU predicts the pose, px");
   visit("search_px", o.search_px, Between(1.0, 10000.0), "search radius around a landmark's prediction, px");
   visit("narrow_px", o.narrow_px, Between(0.5, 1000.0), "the same from the pose found, px");
   visit("outlier_sigmas", o.outlier_sigmas, Between(1.0, 100.0), "largest Mahalanobis distance of an inlier");
@@ -77,7 +79,7 @@ void VisitFields(Visitor& visit, StereoVoOptions& o) {
   visit("adjust_iterations", o.adjust_iterations, Between(1, 1000), "largest number of iterations of an adjustment");
   visit("rig_rotation_deg", o.rig_rotation_deg, Between(0.0, 10.0),
         "1 sigma of the right camera's rotation as calibrated, about each axis; 0: exact, else it is refined");
-  visit("use_imu", o.use_imu, Nested(), "use the gyroscope where there is one");
+  visit("use_imu", o.use_imu, Nested(), "use the IMU where there is one");
   visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "frames without a pose until a new map");
 }
 

@@ -163,7 +163,7 @@ void PoseSlam::CloseLoops(const StereoView& view) {
 /// them, each of which is wrong by what its images made of it there.
 Matrix6d PoseSlam::LoopCovariance(int from, int to, const LoopMotion& motion) const {
   const StereoMap& map = odometry_.map();
-  return options_.odometry.noise.points_per_error * motion.covariance +
+  return 0.5 * (map.PointsPerError(from) + map.PointsPerError(to)) * motion.covariance +
          CarryCovariance(map.OwnCovariance(from), motion.X_FT) + map.OwnCovariance(to);
 }
 

@@ -167,6 +167,31 @@ TEST(StereoVo, BlackFramesAreLostAndTheMapBeginsAnewAfterMany) {
   EXPECT_EQ(estimate.frames[11].status, TrackingStatus::kTracking);
 }
 
+// Around where an IMU predicts them, landmarks find features of any picture: without a ratio test nearly all do, and of
+// a detector that errs by 1.5 px a quarter of these fit.
+TEST(StereoVo, APictureOfSomethingElseGivesNoPoseWhereAnImuPredictsOne) {
+  Calibration rig = Rig();
+  rig.imu.rate_hz = 100;
+  std::vector<Observation> frames = FilmStereo(10, [](double) { return SidewaysPose(0); }).frames;
+  for (Observation& frame : frames) {
+    for (int i = -5; i <= 5; ++i) {
+      frame.imu.push_back({frame.stamp_ns + 10'000'000 * i, Eigen::Vector3d::Zero(), {0, -9.81, 0}});
+    }
+  }
+  for (const size_t i : {5, 6}) {
+    for (cv::Mat* image : {&frames[i].image.pixels, &frames[i].right->pixels}) cv::flip(image->clone(), *image, 0);
+  }
+  StereoVoOptions options = Small();
+  options.ratio = 1;
+  options.noise.sigma_px = 1.5;
+  StereoVo vo(rig, options, 1);
+  const Estimate estimate = TrackAll(vo, frames);
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const bool is_strange = i == 5 || i == 6;
+    EXPECT_EQ(estimate.frames[i].status, is_strange ? TrackingStatus::kLost : TrackingStatus::kTracking) << i;
+  }
+}
+
 TEST(StereoVo, WhatCannotBeAPairIsRefusedInOneLine) {
   const Observation& good = Sideways().frames[0];
   const auto first = [&](const Observation& frame) {
@@ -209,21 +234,76 @@ TEST(StereoPairVo, FollowsAMotionInMetresAndItsCovarianceGrows) {
   }
 }
 
-std::vector<ExposureRotation> Turn(const std::vector<double>& yaws) {
-  std::vector<ExposureRotation> rotations;
-  for (const double yaw : yaws) rotations.push_back({0, Eigen::Quaterniond(RotY(yaw))});
-  return rotations;
+std::vector<Pose> Turn(const std::vector<double>& yaws) {
+  std::vector<Pose> path;
+  for (const double yaw : yaws) path.push_back(Pose(Eigen::Matrix3d(RotY(yaw)), {0, 0, 0}));
+  return path;
 }
 
 TEST(KeypointNoise, BlurOffsetIsTheMeanForCoarsePointsAndWhereTheImageLingeredForFineOnes) {
   const Eigen::Vector2d centre(119.5, 89.5);
   const double f = kCamera.fx;
   const auto steady = Turn({-0.04, -0.02, 0, 0.02, 0.04});
-  EXPECT_LT(BlurOffset(kCamera, steady, centre, 100).norm(), 1e-3) << "a steady turn has its mean in the middle";
+  EXPECT_LT(BlurOffset(kCamera, steady, centre, 0, 100).norm(), 1e-3) << "a steady turn has its mean in the middle";
   const auto lingering = Turn({0.04, 0.04, 0.04, 0, -0.04});
-  EXPECT_NEAR(BlurOffset(kCamera, lingering, centre, 1000).x(), f * 0.016, 0.02);  // tan(x) is x to 1e-4 rad here
-  EXPECT_NEAR(BlurOffset(kCamera, lingering, centre, 0.5).x(), f * 0.04, 0.02);
-  EXPECT_EQ(BlurOffset(kCamera, {}, centre, 1), Eigen::Vector2d(0, 0));
+  EXPECT_NEAR(BlurOffset(kCamera, lingering, centre, 0, 1000).x(), f * 0.016, 0.02);  // tan(x) is x to 1e-4 rad here
+  EXPECT_NEAR(BlurOffset(kCamera, lingering, centre, 0, 0.5).x(), f * 0.04, 0.02);
+  EXPECT_EQ(BlurOffset(kCamera, {}, centre, 0, 1), Eigen::Vector2d(0, 0));
+}
+
+TEST(KeypointNoise, ACameraThatMovesSmearsWhatIsNear) {
+  const Eigen::Vector2d centre(119.5, 89.5);
+  std::vector<Pose> path(3);
+  path[0].translation.x() = -0.01;
+  path[1].translation.x() = path[2].translation.x() = 0.02;
+  EXPECT_EQ(BlurSpread(kCamera, path, centre, 0), Eigen::Matrix2d(Eigen::Matrix2d::Zero())) << "infinitely far";
+  const double a = kCamera.fx * 0.01 / 0.5;  // of 10 mm at half a metre
+  EXPECT_NEAR(BlurOffset(kCamera, path, centre, 1 / 0.5, 1000).x(), a, 0.01);
+  EXPECT_NEAR(BlurSpread(kCamera, path, centre, 1 / 0.5)(0, 0), (4 + 1 + 1) * a * a / 3, 0.01);
+}
+
+TEST(KeypointNoise, PointsOfASharpImageRepeatTheirErrorsAndThoseOfABlurredOneDoNot) {
+  const KeypointNoiseOptions options;
+  const std::vector<cv::KeyPoint> points(5, cv::KeyPoint({50, 50}, 3));
+  const auto count = [&](const std::vector<Pose>& path) {
+    const Eigen::Matrix2d spread = BlurSpread(kCamera, path, {50, 50}, 0);
+    const Eigen::Matrix2d covariance = KeypointCovariance(points[0], spread, Eigen::Matrix2d::Zero(), options);
+    return PointsPerError(points, std::vector<Eigen::Matrix2d>(5, covariance), options);
+  };
+  EXPECT_NEAR(count({}), options.points_per_error, 1e-9);
+  const double blurred = count(Turn({-0.04, -0.02, 0, 0.02, 0.04}));
+  EXPECT_GE(blurred, options.points_per_blur_error);
+  EXPECT_LT(blurred, 0.25 * options.points_per_error);
+}
+
+TEST(StereoView, AFeatureWithoutAPartnerIsAsFarAsTheNearestThatHasOne) {
+  const StereoRig rig = StereoRig::Of(Rig());
+  const auto detector = MakeFeature2d("sift", 4);
+  StereoView view = DetectInBoth(Sideways().frames[0], rig, *detector, 500);
+  UndoBlur(rig.left, {}, {}, {}, view.left);
+  UndoBlur(rig.right, {}, {}, {}, view.right);
+  view.partner.assign(view.left.size(), -1);
+  EXPECT_TRUE(InverseDepths(rig, view).empty());
+  view.partner = MatchStereo(rig, view.left, view.right, {});
+  const std::vector<double> inverse_depths = InverseDepths(rig, view);
+  ASSERT_EQ(inverse_depths.size(), view.left.size());
+  int alone = 0;
+  for (size_t i = 0; i < view.left.size(); ++i) {
+    if (view.partner[i] >= 0) {
+      EXPECT_NEAR(inverse_depths[i], 1 / ReconstructPoint(rig, view.Sighting(i)).p_L.z(), 1e-12);
+      continue;
+    }
+    ++alone;
+    const auto like = [&](size_t k) { return view.partner[k] >= 0 && inverse_depths[k] == inverse_depths[i]; };
+    double nearest = 1e9, taken = 1e9;
+    for (size_t k = 0; k < view.left.size(); ++k) {
+      const double distance = (view.left.pixel[k] - view.left.pixel[i]).norm();
+      if (view.partner[k] >= 0) nearest = std::min(nearest, distance);
+      if (like(k)) taken = std::min(taken, distance);
+    }
+    EXPECT_EQ(taken, nearest) << i;
+  }
+  EXPECT_GT(alone, 10);
 }
 
 TEST(KeypointNoise, GrowsAlongTheBlurAndWithTheScale) {
@@ -234,7 +314,7 @@ TEST(KeypointNoise, GrowsAlongTheBlurAndWithTheScale) {
   EXPECT_EQ(sharp(0, 0), sharp(1, 1));
   EXPECT_GT(KeypointCovariance(large, kNone, kNone, options)(0, 0), sharp(0, 0));
   const auto turn = Turn({-0.04, -0.02, 0, 0.02, 0.04});
-  const Eigen::Matrix2d spread = BlurSpread(kCamera, turn, {119.5, 89.5});
+  const Eigen::Matrix2d spread = BlurSpread(kCamera, turn, {119.5, 89.5}, 0);
   EXPECT_NEAR(spread(0, 0), std::pow(kCamera.fx, 2) * 8e-4, 0.2) << "the mean square of the turn";
   const Eigen::Matrix2d blurred = KeypointCovariance(small, spread, kNone, options);
   EXPECT_GT(blurred(0, 0), 2 * blurred(1, 1));
@@ -262,6 +342,94 @@ TEST(ExposureMotion, TheGyroscopesTurnIsAsExactAsABenchCalibratesIt) {
   const double jerked = TurnedBy(-0.5, 1, true).TurnSigma();  // no turn in all
   EXPECT_NEAR(jerked, std::hypot(standing, 1 * 2e-3), 0.05 * jerked) << "2 ms late";
   EXPECT_NEAR(TurnedBy(0, 0, false).TurnSigma(), 2 * 0.1, 1e-9) << "no gyroscope: as fast as a head turns";
+}
+
+/// A head that starts from rest, sways, nods and advances; the IMU is a trunk below it.
+class SwayingHead {
+ public:
+  SwayingHead() {
+    imu_ = {250, 0, 0, 0, 0, Pose(Eigen::Matrix3d(RotX(0.3) * RotZ(0.2)), {0.01, 0.13, -0.02})};
+    for (int64_t t = 0; t < 2'500'000'000; t += 4'000'000) readings_.push_back(Reading(t));
+  }
+
+  const ImuCalibration& imu() const { return imu_; }
+  Pose At(int64_t ns) const {
+    const double t = 1e-9 * double(ns) - 0.3, w = 2 * M_PI / 0.6;
+    const double a = t > 0 ? 1 - std::exp(-std::pow(t / 0.3, 4)) : 0;  // begins smoothly
+    const Eigen::Vector3d turn(0.1 * std::sin(w * t), 0.04 * std::cos(2 * w * t), 0.05 * std::sin(w * t + 1));
+    return Pose(ExpSo3(a * turn), a * Eigen::Vector3d(0.03 * std::sin(w * t), 0.01 * std::cos(2 * w * t), 0.1 * t));
+  }
+  /// A frame of 30 ms, with the readings since the frame before.
+  Observation Frame(int64_t stamp_ns, bool has_imu) {
+    Observation frame;
+    frame.stamp_ns = stamp_ns;
+    frame.exposure_ms = 30;
+    while (has_imu && next_ < readings_.size() && readings_[next_].stamp_ns < stamp_ns + 20'000'000) {
+      frame.imu.push_back(readings_[next_++]);
+    }
+    return frame;
+  }
+
+ private:
+  ImuSample Reading(int64_t ns) const {
+    constexpr int64_t kStep_ns = 500'000;
+    constexpr double kStep_s = 5e-4;
+    const auto at = [&](int64_t t) { return At(t) * imu_.X_CI; };
+    const Pose before = at(ns - kStep_ns), now = at(ns), after = at(ns + kStep_ns);
+    const Eigen::Vector3d acceleration =
+        (before.translation - 2 * now.translation + after.translation) / (kStep_s * kStep_s);
+    const Eigen::Vector3d up(0, -9.81, 0);  // y is down
+    return {ns, LogSo3(before.rotation.conjugate() * after.rotation) / (2 * kStep_s),
+            now.rotation.conjugate() * (acceleration + up)};
+  }
+
+  ImuCalibration imu_;
+  std::vector<ImuSample> readings_;
+  size_t next_ = 0;
+};
+
+struct PathErrors {
+  double path_m = 0, path_rad = 0, prediction_m = 0;  ///< The largest.
+  double moved_m = 0;                                 ///< The most, over half an exposure.
+  double path2 = 0, moved2 = 0;                       ///< Sums of squares.
+};
+PathErrors FollowSwayingHead(bool has_imu) {
+  SwayingHead head;
+  ExposureMotion motion(has_imu ? head.imu() : ImuCalibration{}, true);
+  PathErrors errors;
+  for (int64_t t = 100'000'000; t < 2'400'000'000; t += 33'333'333) {
+    motion.Add(head.Frame(t, has_imu));
+    const std::vector<Pose> path = motion.Path();
+    if (t > 200'000'000) {
+      const Pose X_TM = head.At(t + 15'000'000).Inverse() * head.At(t);
+      const Vector6d error = Minus(path.back(), X_TM);
+      errors.path_m = std::max(errors.path_m, error.head<3>().norm());
+      errors.path_rad = std::max(errors.path_rad, error.tail<3>().norm());
+      errors.moved_m = std::max(errors.moved_m, X_TM.translation.norm());
+      errors.path2 += error.head<3>().squaredNorm();
+      errors.moved2 += X_TM.translation.squaredNorm();
+      errors.prediction_m =
+          std::max(errors.prediction_m, (motion.PredictPose().translation - head.At(t).translation).norm());
+    }
+    motion.AddPose(t, head.At(t));
+  }
+  return errors;
+}
+
+// The mean force is gravity's but for what the head gained in speed over the time, 0.3 m/s in 1 s: as a steady error,
+// 4 frames of it at a gain of a quarter, 0.04 m/s or 0.6 mm in half an exposure.
+TEST(ExposureMotion, TheCamerasPathIsThatOfAnImuBelowIt) {
+  const PathErrors errors = FollowSwayingHead(true);
+  EXPECT_GT(errors.moved_m, 0.005);
+  EXPECT_LT(errors.path_m, 0.001);
+  EXPECT_LT(errors.path_rad, 0.001);
+  EXPECT_LT(errors.prediction_m, 0.002) << "a frame further";
+}
+
+TEST(ExposureMotion, WithoutImuTheCameraGoesOnAsItWent) {
+  const PathErrors errors = FollowSwayingHead(false), with_imu = FollowSwayingHead(true);
+  EXPECT_LT(errors.path2, 0.7 * errors.moved2) << "better than to stand still";
+  EXPECT_GT(errors.path2, 9 * with_imu.path2) << "it is late by a frame and a half";
 }
 
 /// A vertical edge of `contrast` grey levels, 4 px wide, with noise.
