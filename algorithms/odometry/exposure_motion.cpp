@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kSteps = 17;                // of an exposure
 constexpr double kExtent2PerSpread = 12;  // of a uniform turn
+constexpr double kLongAgo_s = 0.3;        // for a velocity
 
 /// Its square times an acceleration over 24 is the distance of the mean of a motion from its middle.
 double MeanOffset(double seconds) { return seconds * seconds / 24; }
@@ -85,8 +86,7 @@ Eigen::Vector3d ExposureMotion::OriginOfImu() const {
 }
 
 bool ExposureMotion::KnowsVelocity() const {
-  constexpr int64_t kLongAgo_ns = 300'000'000;
-  return poses_.size() >= 2 && stamp_ns_ - poses_.back().stamp_ns <= kLongAgo_ns;
+  return poses_.size() >= 2 && 1e-9 * double(stamp_ns_ - poses_.back().stamp_ns) <= kLongAgo_s;
 }
 
 /// Its velocity at mid-exposure, m/s in the camera.
@@ -134,7 +134,7 @@ void ExposureMotion::LearnVelocity(const StampedPose& before, const StampedPose&
   const Change change = ChangeSince(before, now.stamp_ns);
   const Eigen::Vector3d before_W = (now.pose * p_I - before.pose * p_I - change.position) / seconds;
   constexpr double kGain = 0.25;  // of what two poses say; their errors are opposite in the next such measurement
-  if (poses_.size() == 2 || !HasGyro()) {
+  if (poses_.size() == 2 || !HasGyro() || seconds > kLongAgo_s) {
     velocity_W_ = before_W;
   } else {
     velocity_W_ += kGain * (before_W - velocity_W_);
