@@ -25,7 +25,8 @@ void VisitFields(Visitor& visit, KeyframePolicyOptions& o) {
         "median displacement by parallax that makes a keyframe; 0: every frame");
   visit("keyframe_turn_deg", o.keyframe_turn_deg, Between(0.1, 180.0), "rotation that makes a keyframe");
   visit("keyframe_overlap", o.keyframe_overlap, Between(0.0, 1.0), "share of inliers left that makes a keyframe");
-  visit("max_wait_frames", o.max_wait_frames, Between(0, 1000), "frames that a due keyframe waits for a good one");
+  visit("max_wait_frames", o.max_wait_frames, Between(0, 1000),
+        "frames to wait for a good one, and again for a fair one");
 }
 
 /// A frame that has a pose, against the last keyframe.
