@@ -17,8 +17,8 @@ namespace {
 /// The baseline's length cannot be learnt from images: it is taken as calibrated.
 constexpr double kExactTranslation_m = 1e-6;
 
-/// A symmetric matrix without what is negative of it, as seen by a covariance that it is a part of: neither unit nor
-/// lever weighs in.
+}  // namespace
+
 Matrix6d PositivePart(const Matrix6d& part, const Matrix6d& whole) {
   const Eigen::LLT<Matrix6d> factors(whole);
   if (factors.info() != Eigen::Success) return Matrix6d::Zero();
@@ -30,8 +30,6 @@ Matrix6d PositivePart(const Matrix6d& part, const Matrix6d& whole) {
   const Matrix6d V = L * eigen.eigenvectors();
   return V * values.asDiagonal() * V.transpose();
 }
-
-}  // namespace
 
 /// What is refined together, and which of ours each of it is.
 struct StereoMap::Window {
@@ -64,6 +62,20 @@ RigSighting StereoMap::SightingOf(const StereoView& view, const StereoMatch& mat
     sighting.covariance_right = view.right.covariance[r];
   }
   return sighting;
+}
+
+std::vector<std::pair<int, RigSighting>> StereoMap::SightingsOf(int keyframe) const {
+  std::vector<std::pair<int, RigSighting>> sightings;
+  for (const int l : active_) {
+    const StereoLandmark& landmark = landmarks_[size_t(l)];
+    for (const StereoObservation& seen : landmark.observations) {
+      if (seen.keyframe != keyframe) continue;
+      sightings.emplace_back(l, seen.images);
+      sightings.back().second.p_W = landmark.p_W;
+      sightings.back().second.covariance_W = landmark.covariance_W;
+    }
+  }
+  return sightings;
 }
 
 void StereoMap::AddKeyframe(const StereoView& view, const Pose& X_WC, const std::vector<StereoMatch>& matches,

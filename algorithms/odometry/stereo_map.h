@@ -34,6 +34,10 @@ struct StereoLandmark {
   bool retired = false;    ///< No keyframe of the window sees it: it stays as it is and is searched for no more.
 };
 
+/// A symmetric matrix without what is negative of it, as seen by a covariance that it is a part of: neither unit nor
+/// lever weighs in. Zero where `whole` is singular.
+Matrix6d PositivePart(const Matrix6d& part, const Matrix6d& whole);
+
 /// Which landmark is which left feature of a view.
 struct StereoMatch {
   int landmark = -1;
@@ -69,6 +73,9 @@ class StereoMap {
 
   /// A match as a sighting of the landmark as it is now.
   RigSighting SightingOf(const StereoView& view, const StereoMatch& match) const;
+
+  /// Of all landmarks that a keyframe saw and that are not retired, as (landmark, images).
+  std::vector<std::pair<int, RigSighting>> SightingsOf(int keyframe) const;
 
   /// Retires all landmarks: the next keyframe is the first of another map in the same world.
   void Clear();

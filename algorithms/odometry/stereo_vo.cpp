@@ -12,11 +12,14 @@
 #include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
 #include "algorithms/odometry/exposure_motion.h"
+#include "algorithms/odometry/landmark_drift.h"
 #include "algorithms/odometry/stereo_map.h"
 
 namespace gaitcam {
 namespace {
 
+/// A pose is refined within this of where it was, m and rad: landmarks that are better known later move it less.
+constexpr double kWide = 0.02;
 /// A pose that is turned by more than this is not known.
 constexpr double kTurnKnown_rad = 0.05;
 
@@ -29,28 +32,6 @@ StereoMapOptions MapOptions(const StereoVoOptions& o, const LensUncertainty& len
   options.outlier_sigmas = o.outlier_sigmas + kSlack;
   options.rig_rotation_deg = o.rig_rotation_deg;
   return options;
-}
-
-/// A pose, and how its error comes from that of each landmark.
-struct LandmarkGains {
-  Pose X_WC;
-  std::map<int, Eigen::Matrix<double, 6, 3>> by_landmark;
-};
-
-/// What landmarks add to the motion between two frames: of those that both use much cancels.
-Matrix6d DifferenceOfLandmarks(const LandmarkGains& before, const LandmarkGains& now,
-                               const std::vector<StereoLandmark>& landmarks) {
-  std::map<int, Eigen::Matrix<double, 6, 3>> gains = now.by_landmark;
-  const Matrix6d carry = Adjoint(now.X_WC.Inverse() * before.X_WC);
-  for (const auto& [landmark, gain] : before.by_landmark) {
-    const auto [at, is_new] = gains.try_emplace(landmark, Eigen::Matrix<double, 6, 3>::Zero());
-    at->second -= carry * gain;
-  }
-  Matrix6d covariance = Matrix6d::Zero();
-  for (const auto& [landmark, gain] : gains) {
-    covariance += gain * landmarks[size_t(landmark)].covariance_W * gain.transpose();
-  }
-  return covariance;
 }
 
 /// The images say more of a pose than was known before them.
@@ -92,6 +73,12 @@ class StereoVo::Tracker {
     double residuals_share = 1;
     std::vector<std::pair<int, RigSighting>> sightings;  ///< By landmark; the landmarks' positions are looked up.
   };
+  /// What the frames before one pass on to it.
+  struct Passed {
+    LandmarkGains before;     ///< Of the frame before.
+    GrowingCovariance grown;  ///< Live: that frames share. Final: by landmarks, since ...
+    int keyframe = -1;        ///< ... this one.
+  };
   /// A pose in the map.
   struct Localized {
     RigPoseResult result;
@@ -114,9 +101,11 @@ class StereoVo::Tracker {
   void Lose(Record& record);
   void NoteBlur();
 
-  void Answer(const RigPoseResult& result, const std::vector<int>& landmarks, LandmarkGains& before,
-              Record& record) const;
-  void SayCovariance(const Matrix6d& own, const Pose& X_KC, Record& record) const;
+  void NoteKeyframe();
+  void Answer(const RigPoseResult& result, const std::vector<int>& landmarks, Passed& passed, Record& record) const;
+  Matrix6d SharedLive(int keyframe, const LandmarkGains& now, Passed& passed) const;
+  Matrix6d SharedFinal(int keyframe, const LandmarkGains& now, Passed& passed) const;
+  void SayCovariance(const Matrix6d& own, const Matrix6d& shared, const Pose& X_KC, Record& record) const;
   void FinishBefore(int keyframe);
   void FinishRecord(Record& record);
 
@@ -134,9 +123,10 @@ class StereoVo::Tracker {
   std::optional<StampedPose> last_;  ///< The last known pose.
   double last_turn_sigma_ = 0;       ///< Of its rotation, by its own images, rad; 0: a map begins there.
   int lost_frames_ = 0;
-  std::deque<double> blurs_;    ///< Spread of the turn over the exposure, of the latest frames.
-  bool is_sharp_ = true;        ///< The present frame is among the sharper ones of these.
-  LandmarkGains live_, final_;  ///< Of the last frame, tracked and finished.
+  std::deque<double> blurs_;                  ///< Spread of the turn over the exposure, of the latest frames.
+  bool is_sharp_ = true;                      ///< The present frame is among the sharper ones of these.
+  Passed live_, final_;                       ///< By the last frame, tracked and finished.
+  std::map<int, LandmarkGains> at_keyframe_;  ///< Of the keyframes of which frames are not finished.
   std::vector<Record> records_;
   size_t finished_ = 0;  ///< So many of the records.
 };
@@ -195,6 +185,7 @@ bool StereoVo::Tracker::Begin(const StereoView& view, Record& record) {
   const int pairs = int(std::count_if(view.partner.begin(), view.partner.end(), [](int p) { return p >= 0; }));
   if (pairs < options_.min_inliers) return false;
   map_.AddKeyframe(view, PredictPose(), {}, {});
+  NoteKeyframe();
   keyframe_view_ = view;
   policy_.OnKeyframe(pairs);
   record.keyframe = int(map_.keyframes().size()) - 1;
@@ -203,8 +194,8 @@ bool StereoVo::Tracker::Begin(const StereoView& view, Record& record) {
   record.answer.restarted = record.keyframe > 0;
   const Pose X_WC = map_.keyframes().back();
   record.answer.pose = X_WC;
-  SayCovariance(record.unknown_motion, {}, record);
-  live_ = final_ = {X_WC, {}};
+  SayCovariance(record.unknown_motion, map_.SharedCovariance(record.keyframe), {}, record);
+  live_.before = final_.before = {X_WC, {}};
   Remember({record.answer.stamp_ns, X_WC}, 0);
   return true;
 }
@@ -310,6 +301,7 @@ SinceKeyframe StereoVo::Tracker::CompareWithKeyframe(const Localized& found) con
 void StereoVo::Tracker::Extend(const StereoView& view, const Localized& found) {
   if (policy_.IsKeyframe(CompareWithKeyframe(found))) {
     map_.AddKeyframe(view, found.result.X_WC, found.matches, found.result.use);
+    NoteKeyframe();
     keyframe_view_ = view;
     policy_.OnKeyframe(found.result.inliers);
     return;
@@ -342,14 +334,29 @@ void StereoVo::Tracker::Remember(const StampedPose& known, double turn_sigma) {
 void StereoVo::Tracker::Lose(Record& record) {
   record.answer.status = last_ ? TrackingStatus::kLost : TrackingStatus::kInitializing;
   if (last_) record.answer.predicted = PredictPose();
-  live_.by_landmark.clear();
+  live_.before.by_landmark.clear();
   if (!map_.IsEmpty() && ++lost_frames_ > options_.max_lost_frames) map_.Clear();
+}
+
+/// How the newest keyframe's pose would move with each landmark that it saw.
+void StereoVo::Tracker::NoteKeyframe() {
+  const int keyframe = int(map_.keyframes().size()) - 1;
+  const Pose& X_WK = map_.keyframes().back();
+  std::vector<RigSighting> sightings;
+  std::vector<int> landmarks;
+  for (const auto& [landmark, sighting] : map_.SightingsOf(keyframe)) {
+    landmarks.push_back(landmark);
+    sightings.push_back(sighting);
+  }
+  const auto result = RefineRigPose(sightings, map_.rig().X_LR, X_WK, {X_WK, kWide, kWide}, 6, pose_options_);
+  LandmarkGains& gains = at_keyframe_[keyframe] = {X_WK, {}};
+  for (size_t i = 0; result && i < landmarks.size(); ++i) gains.by_landmark[landmarks[i]] = result->by_point[i];
 }
 
 /// Fills a record's answer.
 /// @param landmarks of each sighting of `result`
-/// @param before of the frame before; of this one afterwards
-void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<int>& landmarks, LandmarkGains& before,
+/// @param passed by the frames before; by this one, too, afterwards
+void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<int>& landmarks, Passed& passed,
                                Record& record) const {
   LandmarkGains now{result.X_WC, {}};
   for (size_t i = 0; i < landmarks.size(); ++i) {
@@ -357,22 +364,50 @@ void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<in
   }
   // What the model says of the images, and of the landmarks that only one of two frames uses, is the least there is.
   constexpr double kOfTwoFrames = 0.5, kLeastShare = 0.1;
-  const Matrix6d modelled = result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(before, now, map_.landmarks());
+  const Matrix6d modelled =
+      result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(passed.before, now, map_.landmarks());
   const Matrix6d own = record.residuals_share * result.covariance_by_residuals + kLeastShare * modelled;
   FrameEstimate& answer = record.answer;
   answer.status = TrackingStatus::kTracking;
   answer.pose = result.X_WC;
   answer.inliers = result.inliers;
   const Pose X_KC = map_.keyframes()[size_t(record.keyframe)].Inverse() * result.X_WC;
-  SayCovariance(own + record.unknown_motion, X_KC, record);
-  before = std::move(now);
+  const Matrix6d shared =
+      &passed == &live_ ? SharedLive(record.keyframe, now, passed) : SharedFinal(record.keyframe, now, passed);
+  SayCovariance(own + record.unknown_motion, shared, X_KC, record);
+  passed.before = std::move(now);
+}
+
+/// What the map adds to the error of a pose in it: with the keyframe's, and what landmarks add since then.
+Matrix6d StereoVo::Tracker::SharedLive(int keyframe, const LandmarkGains& now, Passed& passed) const {
+  const LandmarkGains& at = at_keyframe_.at(keyframe);
+  const Pose X_KC = map_.keyframes()[size_t(keyframe)].Inverse() * now.X_WC;
+  const Matrix6d since = map_.PointsPerError(keyframe) * DifferenceOfLandmarks(at, now, map_.landmarks());
+  passed.grown.Add(now.X_WC, CarryCovariance(map_.SharedCovariance(keyframe), X_KC) + since);
+  return passed.grown.covariance();
+}
+
+/// The same where the next keyframe is known: of what is added until there, as much as landmarks have added.
+Matrix6d StereoVo::Tracker::SharedFinal(int keyframe, const LandmarkGains& now, Passed& passed) const {
+  const LandmarkGains& at = at_keyframe_.at(keyframe);
+  if (passed.keyframe != keyframe) passed.grown = {};
+  passed.keyframe = keyframe;
+  passed.grown.Add(now.X_WC, DifferenceOfLandmarks(at, now, map_.landmarks()));
+  const Pose X_KC = map_.keyframes()[size_t(keyframe)].Inverse() * now.X_WC;
+  const Matrix6d until_keyframe = CarryCovariance(map_.SharedCovariance(keyframe), X_KC);
+  const auto next = at_keyframe_.find(keyframe + 1);
+  if (next == at_keyframe_.end()) return until_keyframe + map_.PointsPerError(keyframe) * passed.grown.covariance();
+  const double share = passed.grown.ShareOf(DifferenceOfLandmarks(at, next->second, map_.landmarks()));
+  const Pose X_NC = map_.keyframes()[size_t(keyframe) + 1].Inverse() * now.X_WC;
+  return until_keyframe + share * CarryCovariance(map_.GrownBetween(keyframe, keyframe + 1), X_NC);
 }
 
 /// The frame's own, what it shares with its neighbours, and what the lenses' calibration does to all frames.
-void StereoVo::Tracker::SayCovariance(const Matrix6d& own, const Pose& X_KC, Record& record) const {
+void StereoVo::Tracker::SayCovariance(const Matrix6d& own, const Matrix6d& shared, const Pose& X_KC,
+                                      Record& record) const {
   FrameEstimate& answer = record.answer;
   answer.own_covariance = own;
-  answer.covariance = own + CarryCovariance(map_.SharedCovariance(record.keyframe), X_KC);
+  answer.covariance = own + shared;
   if (lens_.IsExact()) return;
   answer.common_errors = ChainLensErrors(map_.LensErrorsBetween(0, record.keyframe), X_KC, record.lens_errors);
   *answer.covariance += answer.common_errors * answer.common_errors.transpose();
@@ -383,11 +418,12 @@ void StereoVo::Tracker::FinishBefore(int keyframe) {
   for (; finished_ < records_.size() && records_[finished_].keyframe < keyframe; ++finished_) {
     FinishRecord(records_[finished_]);
   }
+  at_keyframe_.erase(at_keyframe_.begin(), at_keyframe_.lower_bound(keyframe));
 }
 
 void StereoVo::Tracker::FinishRecord(Record& record) {
   if (record.keyframe < 0) {
-    final_.by_landmark.clear();
+    final_.before.by_landmark.clear();
     return;
   }
   std::vector<RigSighting> sightings;
@@ -398,7 +434,6 @@ void StereoVo::Tracker::FinishRecord(Record& record) {
     sightings.push_back(sighting);
     landmarks.push_back(landmark);
   }
-  constexpr double kWide = 0.02;  // m and rad: later landmarks move it less
   const Pose guess = map_.keyframes()[size_t(record.keyframe)] * record.X_KC;
   const RigPosePrior prior{guess, kWide, kWide};
   const auto result = RefineRigPose(sightings, map_.rig().X_LR, guess, prior, options_.min_inliers, pose_options_);
@@ -406,7 +441,7 @@ void StereoVo::Tracker::FinishRecord(Record& record) {
     Answer(*result, landmarks, final_, record);
   } else {
     record.answer.pose = guess;
-    final_ = {guess, {}};
+    final_.before = {guess, {}};
   }
   record.sightings = {};
 }

@@ -178,7 +178,7 @@ void PoseSlam::Plant(LoopMotion& motion) {
 // ---------------------------------------------------------------------------------------------------------------------
 // Frames.
 
-/// Stands to its node as the odometry has it. Its error is the node's, what grew since, and the frame's own.
+/// Stands to its node as the odometry has it. Its error is the node's instead of that which the odometry had there.
 FrameEstimate PoseSlam::Corrected(const FrameEstimate& odometry, int keyframe) const {
   FrameEstimate answer = odometry;
   if (keyframe < 0) return answer;
@@ -190,12 +190,10 @@ FrameEstimate PoseSlam::Corrected(const FrameEstimate& odometry, int keyframe) c
   if (answer.predicted) answer.predicted = X_WV * *answer.predicted;
   if (!answer.pose) return answer;
   const Pose X_NC = X_VN.Inverse() * *answer.pose;
-  const Pose X_KC = map.keyframes()[size_t(keyframe)].Inverse() * *answer.pose;
   answer.pose = X_WV * *answer.pose;
   if (!answer.own_covariance) return answer;
-  answer.covariance = CarryCovariance(node.covariance, X_NC) +
-                      CarryCovariance(map.GrownBetween(node_keyframe, keyframe), X_KC) + *answer.own_covariance +
-                      answer.common_errors * answer.common_errors.transpose();
+  *answer.covariance +=
+      CarryCovariance(node.covariance, X_NC) - CarryCovariance(map.SharedCovariance(node_keyframe), X_NC);
   return answer;
 }
 
