@@ -9,6 +9,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/features/blur_aware_feature.h"
+#include "algorithms/features/corner_feature.h"
 #include "algorithms/features/mobif.h"
 #include "algorithms/features/mobif_adapt.h"
 #include "algorithms/features/mobif_restore.h"
@@ -34,6 +35,14 @@ cv::Ptr<cv::Feature2D> MakeOrb(double sensitivity) {
   constexpr int kMaxPoints = 5000;  // callers keep the strongest they want
   const int fast_threshold = std::max(1, int(20 / sensitivity));
   return cv::ORB::create(kMaxPoints, 1.2f, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31, fast_threshold);
+}
+
+cv::Ptr<cv::Feature2D> MakeFast(double sensitivity) {
+  return CornerFeature::create(CornerKind::kFast, std::max(1.0, 20 / sensitivity));
+}
+
+cv::Ptr<cv::Feature2D> MakeHarris(double sensitivity) {
+  return CornerFeature::create(CornerKind::kHarris, 0.01 / sensitivity);  // OpenCV's own default
 }
 
 MobifOptions Sensitive(MobifOptions options, double sensitivity) {
@@ -67,6 +76,8 @@ cv::Ptr<cv::Feature2D> MakeSurf(double sensitivity) {
 std::vector<Entry> AllFeatures() {
   return {
       {{"akaze", "AKAZE (Alcantarilla 2013), OpenCV's"}, MakeAkaze},
+      {{"fast", "FAST corners (Rosten 2006) of one scale, described as SIFT does"}, MakeFast},
+      {{"harris", "Harris corners (1988) of one scale, described as SIFT does"}, MakeHarris},
       {{"mobif", "restores, adapts or leaves alone, by how the image is blurred"}, MakeMobifQuality},
       {{"mobif_adapt", "MoBIF, second approach (thesis, section 5.3): adapted scale space"}, MakeThesisAdapt},
       {{"mobif_fast", "mobif in less time, with fewer points"}, MakeMobifFast},
