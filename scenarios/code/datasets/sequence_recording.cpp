@@ -61,10 +61,18 @@ SequenceRecord FromJson(const nlohmann::json& json) {
   return r;
 }
 
-void Rename(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (error) throw MissingResource(to.string() + ": cannot name this folder: " + error.message());
+/// Both folders get their names, or none does.
+void Rename(const DatasetFolders& from, const DatasetFolders& to) {
+  const auto refuse = [](const fs::path& folder, const std::error_code& error) {
+    throw MissingResource(folder.string() + ": cannot name this folder: " + error.message());
+  };
+  std::error_code error, ignored;
+  fs::rename(from.truth, to.truth, error);
+  if (error) refuse(to.truth, error);
+  fs::rename(from.sensors, to.sensors, error);
+  if (!error) return;
+  fs::rename(to.truth, from.truth, ignored);
+  refuse(to.sensors, error);
 }
 
 }  // namespace
@@ -137,8 +145,7 @@ std::optional<SequenceRecord> RecordSequence(const ResolvedScenario& resolved, c
   record.frames_fingerprint = FramesFingerprint();
   WriteWholeFile(folders.truth / kRecord, ToJson(record).dump(2) + "\n");
   WriteWholeFile(folders.truth / kChecksums, ChecksumRows({folders.sensors, folders.truth}, unfinished.path()));
-  Rename(folders.truth, wanted.truth);
-  Rename(folders.sensors, wanted.sensors);
+  Rename(folders, wanted);
   return record;
 }
 

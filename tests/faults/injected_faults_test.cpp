@@ -1,0 +1,132 @@
+// Each system call that a program makes fails once, the first, the second, ... until none is left. What must hold
+// whichever it is: the program ends by itself with one of its exit codes and says why in one line; what it was to
+// write is there whole, or is not there at all; what had been there before stays as it was.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/scenarios/program.h"
+#include "tests/temporary_folder.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Verb {
+  std::string name;
+  std::string arguments;
+  std::string output;  ///< The file that it writes; empty: none.
+  bool is_long = false;
+};
+
+const std::vector<Verb>& Verbs() {
+  static const std::vector<Verb> verbs = {
+      {"list", "list scenes", "", false},
+      {"schema", "schema scenario", "", false},
+      {"validate", "validate walk.yaml", "", false},
+      {"score", "score estimate.txt truth.txt --out scores.json", "scores.json", false},
+      {"record", "record walk.yaml --out recorded", "recorded/walk/calibration.yaml", true},
+      {"run", "run walk.yaml --out done", "done/scores.json", true},
+  };
+  return verbs;
+}
+
+void WriteInputs(const fs::path& folder) {
+  std::ofstream truth(folder / "truth.txt"), estimate(folder / "estimate.txt");
+  for (int i = 0; i < 40; ++i) {
+    truth << 1 + 0.1 * i << " " << 0.1 * i << " " << std::sin(0.2 * i) << " 0 0 0 0 1\n";
+    estimate << 1 + 0.1 * i << " " << 0.101 * i << " " << std::sin(0.2 * i) << " 0.01 0 0 0 1\n";
+  }
+  std::ofstream(folder / "walk.yaml") << "robot: omni_base\nscene: lab\nduration_s: 0.8\n"
+                                         "camera: {width_px: 160, height_px: 120, rate_hz: 10, exposure_ms: 5,\n"
+                                         "  stereo: {baseline_m: 0.2}}\n"
+                                         "video: {enabled: false}\nsystem: stereo_vo\n";
+}
+
+/// Every file below a folder that a user would see, with what is in it; hidden ones by name alone.
+std::map<std::string, std::string> FilesBelow(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& item : fs::recursive_directory_iterator(folder)) {
+    if (item.is_regular_file()) files[item.path().lexically_relative(folder).string()] = ReadText(item.path());
+  }
+  return files;
+}
+
+/// Names of files that are not in both as they are in the other, on a line each.
+std::string Changed(const std::map<std::string, std::string>& before, const std::map<std::string, std::string>& after) {
+  std::string changed;
+  for (const auto& [name, content] : before) {
+    if (after.count(name) == 0 || after.at(name) != content) changed += name + "\n";
+  }
+  for (const auto& [name, content] : after) {
+    if (before.count(name) == 0) changed += name + "\n";
+  }
+  return changed;
+}
+
+/// But for the memory that was used.
+std::string WithoutTiming(const std::string& scores) { return scores.substr(0, scores.find("\"timing\"")); }
+
+class InjectedFaults : public testing::TestWithParam<std::tuple<int, std::string>> {
+ protected:
+  static const Verb& verb() { return Verbs()[size_t(std::get<0>(GetParam()))]; }
+
+  /// @returns whether there was such a call.
+  static bool Try(const std::string& plan, const std::map<std::string, std::string>& wanted) {
+    const TemporaryFolder temporary;
+    WriteInputs(temporary.path());
+    if (!verb().output.empty() && !verb().is_long) std::ofstream(temporary.path() / verb().output) << "old";
+    const std::map<std::string, std::string> before = FilesBelow(temporary.path());
+    const TemporaryFolder beside;
+    const fs::path hit = beside.path() / "hit";
+    const ProgramResult result =
+        RunShell("GAITCAM_DATA=" + TestData().string() + " GAITCAM_FAIL=" + plan + " GAITCAM_FAIL_HIT=" + hit.string() +
+                     " LD_PRELOAD=" + FAIL_NTH + " " + Program() + " -q " + verb().arguments,
+                 temporary.path());
+    if (!fs::exists(hit)) return false;
+    const std::map<std::string, std::string> after = FilesBelow(temporary.path());
+    SCOPED_TRACE(verb().name + ", " + plan + ": exit " + std::to_string(result.exit_code) + ", " + result.err);
+    if (result.exit_code == 0) {
+      if (verb().output.empty()) return true;
+      EXPECT_EQ(after.count(verb().output), 1U);
+      if (!verb().is_long && after.count(verb().output) != 0) {
+        EXPECT_TRUE(WithoutTiming(after.at(verb().output)) == WithoutTiming(wanted.at(verb().output)))
+            << "it says that all went well, and wrote something else";
+      }
+      return true;
+    }
+    EXPECT_THAT(result.exit_code, testing::AnyOf(2, 4));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1);
+    EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("internal")));
+    EXPECT_EQ(Changed(before, after), "") << "what was there stays, and nothing half-written is added";
+    return true;
+  }
+};
+
+TEST_P(InjectedFaults, EndInOneLineAndLeaveNothingHalfWritten) {
+  if (verb().is_long && std::getenv("GAITCAM_LONG_TESTS") == nullptr) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";
+  const TemporaryFolder temporary;
+  WriteInputs(temporary.path());
+  ASSERT_EQ(RunProgram("-q " + verb().arguments, temporary.path()).exit_code, 0);
+  const std::map<std::string, std::string> wanted = FilesBelow(temporary.path());
+  const std::string& kind = std::get<1>(GetParam());
+  constexpr int kMost = 20000;
+  int n = 1;
+  while (n < kMost && !HasFailure() && Try(kind + ":" + std::to_string(n), wanted)) ++n;
+  RecordProperty("calls", n - 1);
+  std::printf("%s: %d calls of %s failed one after the other\n", verb().name.c_str(), n - 1, kind.c_str());
+  if (n > 1) Try(kind + ":1:all", wanted);
+}
+
+INSTANTIATE_TEST_SUITE_P(Verbs, InjectedFaults,
+                         testing::Combine(testing::Range(0, int(Verbs().size())),
+                                          testing::Values("open", "read", "write", "rename", "mkdir", "mmap")),
+                         [](const auto& info) {
+                           return Verbs()[size_t(std::get<0>(info.param))].name + "_" + std::get<1>(info.param);
+                         });
+
+}  // namespace
+}  // namespace gaitcam
