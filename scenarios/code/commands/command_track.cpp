@@ -5,35 +5,19 @@
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/trajectory_file.h"
 #include "algorithms/io/whole_file.h"
-#include "results/scoring/score.h"
 #include "results/scoring/score_text.h"
 #include "scenarios/code/commands/commands.h"
 #include "scenarios/code/commands/summary.h"
 #include "scenarios/code/files/system_needs.h"
 #include "scenarios/code/runs/interrupt.h"
 #include "scenarios/code/runs/progress.h"
+#include "scenarios/code/runs/run_scores.h"
 #include "scenarios/code/runs/tracking.h"
 #include "scenarios/code/systems/chosen_system.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
 namespace {
-
-/// Scores the estimate if the truth lies beside the dataset; else nothing.
-/// @throws TooLittleData, which says so if the system failed.
-std::optional<Scores> ScoreAgainstTruthBeside(const Estimate& estimate, const fs::path& sensors,
-                                              const std::string& system) {
-  const fs::path truth = sensors.string() + "-truth/groundtruth.txt";
-  if (!fs::exists(truth)) return std::nullopt;
-  std::vector<int64_t> stamps;
-  for (const FrameEstimate& frame : estimate.frames) stamps.push_back(frame.stamp_ns);
-  try {
-    return ScoreEstimate(estimate, ReadTrajectory(truth).trajectory, stamps, {});
-  } catch (const TooLittleData&) {
-    if (estimate.failure.empty()) throw;
-    throw TooLittleData(system + " failed: " + estimate.failure);
-  }
-}
 
 void PrintOutcome(const TrackArguments& arguments, const Estimate& estimate, const std::optional<Scores>& scores,
                   const fs::path& out, const std::string& system) {
@@ -73,7 +57,8 @@ int TrackCommand(const TrackArguments& arguments, const CommonOptions& common) {
                reader.frames(), out.string());
     return 130;
   }
-  const std::optional<Scores> scores = ScoreAgainstTruthBeside(estimate, sensors, choice.name);
+  std::optional<Scores> scores;
+  if (HasTruthBeside(sensors)) scores = ScoreAgainstTruthBeside(estimate, sensors, choice.name);
   if (common.json) {
     fmt::print("{}", scores ? ScoresToJson(*scores) : "{}\n");
   } else if (!common.quiet) {

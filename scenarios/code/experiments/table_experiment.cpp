@@ -76,6 +76,12 @@ const std::vector<ExperimentEntry>& ListExperiments() {
       {"odometry", "systems on the recorded walks of studies, with a picture of the paths",
        "gaitcam experiment odometry scenarios/studies/odometry_lab_loop.yaml --seeds 2 --out results/odometry.md",
        MakeRecordedOdometry},
+      {"peers", "any systems, yours and ours, on the same recordings: coverage, errors, jumps and time in one table",
+       "gaitcam record scenarios/lab_loop.yaml --out walks/lab\n"
+       "gaitcam experiment peers walks/lab --system mobif_vo_plus --system \"{process: [python3, my_slam.py]}\"\n"
+       "gaitcam experiment peers walks/* --system sift_vo \\\n"
+       "  --system '{command: [./my_slam, \"{dataset}\", \"{output}\"], format: tum}' --out peers.md",
+       MakePeers},
       {"place_distance", "how the similarity of panoramas falls with the distance between them",
        "gaitcam run scenarios/khr1hv_loops.yaml --seed 1 --out runs/loops1\n"
        "gaitcam experiment place_distance runs/loops1",

@@ -116,6 +116,7 @@ std::unique_ptr<TableExperiment> MakeCrowds();
 std::unique_ptr<TableExperiment> MakeFloorAlignment();
 std::unique_ptr<TableExperiment> MakeLocalisationTable();
 std::unique_ptr<TableExperiment> MakeLoopTable();
+std::unique_ptr<TableExperiment> MakePeers();
 std::unique_ptr<TableExperiment> MakePlaceDistance();
 std::unique_ptr<TableExperiment> MakeRecordedOdometry();
 std::unique_ptr<TableExperiment> MakeSpeed();

@@ -19,6 +19,10 @@ Trajectory TaughtTruth(const ResolvedScenario& resolved) {
   return ReadTrajectory(file, TrajectoryFormat::kTum).trajectory;
 }
 
+std::filesystem::path TruthBeside(const std::filesystem::path& sensors) {
+  return sensors.string() + "-truth/groundtruth.txt";
+}
+
 Scores ScorePoses(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
                   const ScoreOptions& options) {
   if (FindMap<PlaceGraph>(estimate.maps) && estimate.ToTrajectory().empty()) return ScoreWithoutPoses(estimate);
@@ -51,6 +55,20 @@ RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std:
     run.not_scored = e.what();
   }
   return run;
+}
+
+bool HasTruthBeside(const std::filesystem::path& sensors) { return std::filesystem::exists(TruthBeside(sensors)); }
+
+Scores ScoreAgainstTruthBeside(const Estimate& estimate, const std::filesystem::path& sensors,
+                               const std::string& system) {
+  std::vector<int64_t> stamps;
+  for (const FrameEstimate& frame : estimate.frames) stamps.push_back(frame.stamp_ns);
+  try {
+    return ScoreEstimate(estimate, ReadTrajectory(TruthBeside(sensors)).trajectory, stamps, {});
+  } catch (const TooLittleData&) {
+    if (estimate.failure.empty()) throw;
+    throw TooLittleData(system + " failed: " + estimate.failure);
+  }
 }
 
 void WriteMaps(const RunScores& scores, const std::filesystem::path& folder) {

@@ -29,6 +29,15 @@ struct RunScores {
 RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
                    const ResolvedScenario& resolved);
 
+/// Whether a recorded folder has its truth beside it, as `record` leaves it.
+bool HasTruthBeside(const std::filesystem::path& sensors);
+
+/// Scores what a system said of a recorded folder against that truth.
+/// @param system its name, for messages
+/// @throws TooLittleData, which says so if the system failed.
+Scores ScoreAgainstTruthBeside(const Estimate& estimate, const std::filesystem::path& sensors,
+                               const std::string& system);
+
 /// Each map's files into a run's folder. @throws MissingResource if one cannot be written.
 void WriteMaps(const RunScores& scores, const std::filesystem::path& folder);
 

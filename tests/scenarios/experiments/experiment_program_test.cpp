@@ -79,6 +79,9 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"nees --repeats 0", "--repeats: 0 is not permitted"},
                                         {"nees --scene labb", "labb"},
                                         {"localisation --set duration=1", "duration"},
+                                        {"peers", "at least one folder of a recorded walk"},
+                                        {"peers nowhere --system sift_vo", "nowhere"},
+                                        {"peers nowhere --system sift_v", "sift_vo"},
                                         {"speed nowhere", "nowhere"},
                                         {"speed --frames 0", "--frames: 0 is not permitted"},
                                         {"speed --only crowds", "--only: \"crowds\" is not permitted"},
@@ -123,6 +126,28 @@ TEST_F(ExperimentProgramTest, LoopsAsksEveryMemoryAlongARecordedWalkAndLearnsFro
   EXPECT_EQ(Lines(untaught.err), 1) << untaught.err;
   // By default 20 s must lie between two visits.
   EXPECT_EQ(Run("loops here/walk").exit_code, 3);
+}
+
+// A program of somebody's that says the truth scores no error; one that fails has a row that says so.
+TEST_F(ExperimentProgramTest, PeersScoresEverySystemOnEveryRecording) {
+  RecordTinyWalk(File("here"), "tum");
+  RecordTinyWalk(File("there"), "tum", {"path.direction=right"});
+  for (const char* place : {"here", "there"}) {
+    fs::copy(File(place) / "walk-truth/groundtruth.txt", File(std::string(place) + ".txt"));
+  }
+  std::ofstream(File("knows.sh")) << "cp " + File("here.txt").string() + " \"$2\"\n";
+  const std::string knows = "'{command: [sh, " + File("knows.sh").string() +
+                            ", \"{dataset}\", \"{output}\"], depends: [" + File("here.txt").string() + "]}'";
+  const ProgramResult result =
+      Run("peers here/walk there/walk --system stereo_vo --system " + knows + " --out peers.md");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::string table = ReadText(File("peers.md"));
+  EXPECT_THAT(table, HasSubstr("gaitcam experiment peers"));
+  EXPECT_THAT(table, testing::ContainsRegex("\\| there/walk \\| `stereo_vo` \\| - \\|.*stereo"))
+      << "one camera is not enough";
+  EXPECT_THAT(table, testing::ContainsRegex("\\| here/walk \\| `.command.*\\| 100 \\| - \\| 0.0 \\| 0.0 \\|"));
+  EXPECT_THAT(table, testing::ContainsRegex("\\| 2 of 2 \\| `.command.*100 .100 to 100."));
+  EXPECT_THAT(table, HasSubstr("| 0 of 2 | `stereo_vo` |"));
 }
 
 TEST_F(ExperimentProgramTest, LoopsSumUpOverWhatTheWalksScenariosDifferIn) {
