@@ -59,7 +59,7 @@ class PendingFolder {
   }
   ~PendingFolder() {
     std::error_code ignored;
-    if (!named_) fs::remove_all(path_, ignored);
+    if (!kept_) fs::remove_all(named_ ? wanted_ : path_, ignored);
   }
   PendingFolder(const PendingFolder&) = delete;
   PendingFolder& operator=(const PendingFolder&) = delete;
@@ -71,10 +71,12 @@ class PendingFolder {
     if (error) throw MissingResource(wanted_.string() + ": cannot name this folder: " + error.message());
     named_ = true;
   }
+  /// Until then it is removed again: a folder that belongs to it may not get its own name.
+  void Keep() { kept_ = true; }
 
  private:
   fs::path wanted_, path_;
-  bool named_ = false;
+  bool named_ = false, kept_ = false;
 };
 
 /// A table that grows by rows.
@@ -248,6 +250,7 @@ class TruthFiles {
     WriteText(folder_.path() / "about.txt", fmt::format(fmt::runtime(kTruthText), frames, ending));
     folder_.Name();
   }
+  void Keep() { folder_.Keep(); }
 
  private:
   /// The table in which the layout keeps its truth.
@@ -507,6 +510,8 @@ void DatasetWriter::Files::Finish(const std::string& ending) {
   WriteText(folder_.path() / "about.txt", About(ending));
   if (truth_) truth_->Finish(frames_, ending);
   folder_.Name();
+  if (truth_) truth_->Keep();
+  folder_.Keep();
 }
 
 std::string DatasetWriter::Files::About(const std::string& ending) const {

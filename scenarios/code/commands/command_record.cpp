@@ -28,9 +28,7 @@ SequenceRecord DescribeOrRemove(const DatasetFolders& folders, const SequenceOpt
   try {
     return DescribeRecording(folders, options, title);
   } catch (...) {
-    std::error_code ignored;
-    fs::remove_all(folders.sensors, ignored);
-    fs::remove_all(folders.truth, ignored);
+    RemoveRecording(folders);
     throw;
   }
 }

@@ -77,7 +77,7 @@ std::string WalkTable(const std::vector<WalkCount>& counts, int views) {
   std::string text = fmt::format(
       "## Single and double direction\n\n{} views of a walk in each scene, {} s apart, the camera still while it "
       "exposes; images with a neighbour on both sides. Features per image, and the share of them on people in per cent "
-      "(Hua, Fig. 5.3: 160.6 and 260.9, + 62 %).\n\n"
+      "(Hua, section 6.1.3.1: 160.6 and 260.9, + 62 %).\n\n"
       "| detector | filter | single | double | more | on people, single | double "
       "|\n|---|---|---:|---:|---:|---:|---:|\n",
       views, CrowdOptions().interval_s);

@@ -41,7 +41,7 @@ void VisitFields(Visitor& visit, CrowdsOptions& o) {
   visit("people", o.people, Between(0, 30), "per 100 square metres");
   visit("standing", o.standing, Between(0, 1), "share of the people who stand still over both views");
   visit("scene", o.scene, Nested(), "only this scene (default: lab, corridor, hall)");
-  visit("detector", o.detector, Nested(), "only this detector (default: surf, sift, orb, mobif)");
+  visit("detector", o.detector, Nested(), "only this detector (default: fast, harris, surf, sift, orb, mobif)");
   visit("seed", o.seed, Between(0, 1e15), "of scenes, people, places and ICGM's starts");
 }
 
@@ -69,7 +69,7 @@ class Crowds : public ExperimentOf<CrowdsOptions> {
   void Run(const ExperimentSetup& setup) override {
     command_ = setup.command;
     if (options_.scene.empty()) options_.scene = {"lab", "corridor", "hall"};
-    if (options_.detector.empty()) options_.detector = {"surf", "sift", "orb", "mobif"};
+    if (options_.detector.empty()) options_.detector = {"fast", "harris", "surf", "sift", "orb", "mobif"};
     for (const std::string& detector : options_.detector) MakeFeature2d(detector);  // refuses unknown ones
     for (const std::string& scene : options_.scene) ReadScene(scene, ModelsFolder());
     for (const std::string& scene : options_.scene)
@@ -310,9 +310,10 @@ class Crowds : public ExperimentOf<CrowdsOptions> {
     matches_name_ = stem + "_matches.png";
     const std::vector<double> thresholds = FixedThresholds();
     std::vector<ThresholdPanel> panels{{"kept matches", 1, {}}, {"precision", 1, {}}, {"recall", 1, {}}};
-    const cv::Scalar colours[] = {{40, 40, 200}, {40, 140, 40}, {200, 120, 0}, {160, 0, 160}};
+    const cv::Scalar colours[] = {{120, 120, 120}, {0, 190, 190}, {40, 40, 200},
+                                  {40, 140, 40},   {200, 120, 0}, {160, 0, 160}};
     for (size_t d = 0; d < options_.detector.size(); ++d) {
-      for (ThresholdPanel& panel : panels) panel.curves.push_back({options_.detector[d], colours[d % 4], {}});
+      for (ThresholdPanel& panel : panels) panel.curves.push_back({options_.detector[d], colours[d % 6], {}});
       for (const double threshold : thresholds) {
         const Medians m = MediansAt(options_.detector[d], threshold);
         panels[0].curves[d].values.push_back(m.kept);

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <new>
 #include <system_error>
 
 #include "algorithms/core/errors.h"
@@ -29,6 +30,8 @@ int WithExitCode(const std::function<int()>& work) {
     return Fail(4, e.what());
   } catch (const std::system_error& e) {
     return Fail(4, e.what());  // disk full, no permission, no more threads
+  } catch (const std::bad_alloc&) {
+    return Fail(4, "the machine has not enough memory for this");
   } catch (const std::exception& e) {
     return Fail(70, std::string("internal error, please report it: ") + e.what());
   }

@@ -11,8 +11,8 @@ namespace gaitcam {
 /// @returns `code`.
 int Fail(int code, const std::string& line);
 
-/// The exit code of `work`, or of what it throws: 2 for BadInput, 3 for TooLittleData, 4 for MissingResource and for
-/// files that cannot be read or written, 70 for anything else.
+/// The exit code of `work`, or of what it throws: 2 for BadInput, 3 for TooLittleData, 4 for MissingResource, for
+/// files that cannot be read or written and for memory that is not there, 70 for anything else.
 int WithExitCode(const std::function<int()>& work);
 
 }  // namespace gaitcam

@@ -10,6 +10,27 @@
 #include "scenarios/code/runs/progress.h"
 
 namespace gaitcam {
+namespace {
+
+/// What the recording was made from.
+/// @param truth null: the calibration that the sensors' folder has is the true one
+void WriteRecipe(const ResolvedScenario& resolved, const Calibration* truth, const DatasetFolders& folders) {
+  WriteWholeFile(folders.truth / "scenario.yaml", resolved.ToYaml());
+  if (!truth) return;
+  WriteWholeFile(TrueCalibrationFileOf(folders), CalibrationText(*truth));
+  std::string drawn;
+  for (const auto& [name, value] : CalibrationErrorFacts(resolved)) drawn += name + ": " + value + "\n";
+  WriteWholeFile(folders.truth / "calibration_error.yaml", drawn);
+}
+
+}  // namespace
+
+void RemoveRecording(const DatasetFolders& folders) {
+  std::error_code ignored;
+  std::filesystem::remove_all(folders.sensors, ignored);
+  std::filesystem::remove_all(folders.truth, ignored);
+}
+
 RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFolders& folders,
                              const RecordOptions& options) {
   const Scenario& scenario = resolved.scenario;
@@ -40,12 +61,11 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
   outcome.frames = writer.frames();
   outcome.renderer = simulation.gl().info();
   writer.Finish(fmt::format("{} at {:.3f} s", outcome.status, outcome.end_time_s));
-  WriteWholeFile(folders.truth / "scenario.yaml", resolved.ToYaml());
-  if (errs) {
-    WriteWholeFile(TrueCalibrationFileOf(folders), CalibrationText(simulation.calibration()));
-    std::string drawn;
-    for (const auto& [name, value] : CalibrationErrorFacts(resolved)) drawn += name + ": " + value + "\n";
-    WriteWholeFile(folders.truth / "calibration_error.yaml", drawn);
+  try {
+    WriteRecipe(resolved, errs ? &simulation.calibration() : nullptr, folders);
+  } catch (...) {
+    RemoveRecording(folders);
+    throw;
   }
   return outcome;
 }

@@ -23,6 +23,9 @@ struct RecordOutcome {
   RendererInfo renderer;
 };
 
+/// Removes both folders of a recording that cannot be completed, as far as that can be done.
+void RemoveRecording(const DatasetFolders& folders);
+
 /// Writes the two folders: what a SLAM system may see, and the truth beside it, the resolved scenario in it. Where the
 /// scenario has a calibration error, the sensors' folder holds the wrong calibration and readings, and the truth's the
 /// right calibration and what was drawn.
