@@ -387,7 +387,8 @@ Matrix6d StereoVo::Tracker::SharedLive(int keyframe, const LandmarkGains& now, P
   return passed.grown.covariance();
 }
 
-/// The same where the next keyframe is known: of what is added until there, as much as landmarks have added.
+/// The same where it is known what is added until the next keyframe: as much of that as landmarks have added. The first
+/// keyframe of another map adds nothing.
 Matrix6d StereoVo::Tracker::SharedFinal(int keyframe, const LandmarkGains& now, Passed& passed) const {
   const LandmarkGains& at = at_keyframe_.at(keyframe);
   if (passed.keyframe != keyframe) passed.grown = {};
@@ -396,7 +397,8 @@ Matrix6d StereoVo::Tracker::SharedFinal(int keyframe, const LandmarkGains& now, 
   const Pose X_KC = map_.keyframes()[size_t(keyframe)].Inverse() * now.X_WC;
   const Matrix6d until_keyframe = CarryCovariance(map_.SharedCovariance(keyframe), X_KC);
   const auto next = at_keyframe_.find(keyframe + 1);
-  if (next == at_keyframe_.end()) return until_keyframe + map_.PointsPerError(keyframe) * passed.grown.covariance();
+  const bool is_known = next != at_keyframe_.end() && !map_.GrownBetween(keyframe, keyframe + 1).isZero(0);
+  if (!is_known) return until_keyframe + map_.PointsPerError(keyframe) * passed.grown.covariance();
   const double share = passed.grown.ShareOf(DifferenceOfLandmarks(at, next->second, map_.landmarks()));
   const Pose X_NC = map_.keyframes()[size_t(keyframe) + 1].Inverse() * now.X_WC;
   return until_keyframe + share * CarryCovariance(map_.GrownBetween(keyframe, keyframe + 1), X_NC);
