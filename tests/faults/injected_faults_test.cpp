@@ -74,8 +74,9 @@ class InjectedFaults : public testing::TestWithParam<std::tuple<int, std::string
  protected:
   static const Verb& verb() { return Verbs()[size_t(std::get<0>(GetParam()))]; }
 
+  /// @param said on standard output, where all goes well
   /// @returns whether there was such a call.
-  static bool Try(const std::string& plan, const std::map<std::string, std::string>& wanted) {
+  static bool Try(const std::string& plan, const std::map<std::string, std::string>& wanted, const std::string& said) {
     const TemporaryFolder temporary;
     WriteInputs(temporary.path());
     if (!verb().output.empty() && !verb().is_long) std::ofstream(temporary.path() / verb().output) << "old";
@@ -90,6 +91,7 @@ class InjectedFaults : public testing::TestWithParam<std::tuple<int, std::string
     const std::map<std::string, std::string> after = FilesBelow(temporary.path());
     SCOPED_TRACE(verb().name + ", " + plan + ": exit " + std::to_string(result.exit_code) + ", " + result.err);
     if (result.exit_code == 0) {
+      EXPECT_EQ(result.out, said) << "it says that all went well, and printed something else";
       if (verb().output.empty()) return true;
       EXPECT_EQ(after.count(verb().output), 1U);
       if (!verb().is_long && after.count(verb().output) != 0) {
@@ -110,16 +112,17 @@ TEST_P(InjectedFaults, EndInOneLineAndLeaveNothingHalfWritten) {
   if (verb().is_long && std::getenv("GAITCAM_LONG_TESTS") == nullptr) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";
   const TemporaryFolder temporary;
   WriteInputs(temporary.path());
-  ASSERT_EQ(RunProgram("-q " + verb().arguments, temporary.path()).exit_code, 0);
+  const ProgramResult undisturbed = RunProgram("-q " + verb().arguments, temporary.path());
+  ASSERT_EQ(undisturbed.exit_code, 0);
   const std::map<std::string, std::string> wanted = FilesBelow(temporary.path());
   const std::string& kind = std::get<1>(GetParam());
   constexpr int kMost = 20000;
   int n = 1;
-  while (n < kMost && !HasFailure() && Try(kind + ":" + std::to_string(n), wanted)) ++n;
+  while (n < kMost && !HasFailure() && Try(kind + ":" + std::to_string(n), wanted, undisturbed.out)) ++n;
   RecordProperty("calls", n - 1);
   std::printf("%s: %d calls of %s failed one after the other\n", verb().name.c_str(), n - 1, kind.c_str());
   const bool renders = verb().is_long;  // where nothing at all can be mapped, the driver's compiler aborts
-  if (n > 1 && !(renders && kind == "mmap")) Try(kind + ":1:all", wanted);
+  if (n > 1 && !(renders && kind == "mmap")) Try(kind + ":1:all", wanted, undisturbed.out);
 }
 
 INSTANTIATE_TEST_SUITE_P(Verbs, InjectedFaults,

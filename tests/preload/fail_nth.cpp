@@ -67,6 +67,12 @@ Function* Next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
+/// @param list what follows the flags: the mode, where a file may be made
+int Open(const char* path, int flags, va_list list) {
+  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(list, mode_t) : 0;
+  return Fails("open", EMFILE) ? -1 : int(syscall(SYS_openat, AT_FDCWD, path, flags, mode));
+}
+
 }  // namespace
 
 extern "C" {
@@ -80,20 +86,12 @@ int __libc_start_main(int (*main)(int, char**, char**), int count, char** words,
 int open(const char* path, int flags, ...) {
   va_list list;
   va_start(list, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(list, mode_t) : 0;
+  const int file = Open(path, flags, list);
   va_end(list);
-  if (Fails("open", EMFILE)) return -1;
-  return int(syscall(SYS_openat, AT_FDCWD, path, flags, mode));
+  return file;
 }
 
-int open64(const char* path, int flags, ...) {
-  va_list list;
-  va_start(list, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(list, mode_t) : 0;
-  va_end(list);
-  if (Fails("open", EMFILE)) return -1;
-  return int(syscall(SYS_openat, AT_FDCWD, path, flags, mode));
-}
+int open64(const char* path, int flags, ...) __attribute__((alias("open")));
 
 FILE* fopen(const char* path, const char* mode) {
   static auto* const next = Next<FILE*(const char*, const char*)>("fopen");

@@ -61,11 +61,12 @@ Json JsonOf(const Robot& robot) {
   return json;
 }
 
-/// What a file's opening comment says, as one line.
+/// What a file's opening comment says, as one line. @throws BadInput.
 std::string OpeningComment(const fs::path& file) {
   std::ifstream stream(file);
   std::string text, line;
   while (std::getline(stream, line) && line.starts_with("# ")) text += (text.empty() ? "" : " ") + line.substr(2);
+  if (!stream.is_open() || stream.bad()) throw BadInput(file.string() + ": cannot read this file");
   return text;
 }
 

@@ -14,7 +14,6 @@
 #include "results/scoring/statistics.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "scenarios/code/files/system_needs.h"
-#include "scenarios/code/runs/interrupt.h"
 #include "scenarios/code/runs/run_scores.h"
 #include "scenarios/code/runs/tracking.h"
 #include "scenarios/code/systems/chosen_system.h"
@@ -84,10 +83,9 @@ class Peers : public ExperimentOf<PeersOptions> {
       if (!HasTruthBeside(folders.back()))
         throw BadInput(folders.back().string() + ": the truth does not lie beside it; nothing can be scored");
     }
-    const InterruptGuard guard;
     for (size_t f = 0; f < folders.size(); ++f) {
-      for (size_t i = 0; i < systems.size() && !guard.Interrupted(); ++i) {
-        trials_.push_back(TrackOne(folders[f], systems[i], setup, guard));
+      for (size_t i = 0; i < systems.size(); ++i) {
+        trials_.push_back(TrackOne(folders[f], systems[i], setup));
         trials_.back().recording = options_.recordings.paths[f];
         trials_.back().system = options_.system[i];
         if (!setup.quiet) fmt::print(stderr, "{}", RowOf(trials_.back()));
@@ -115,8 +113,7 @@ class Peers : public ExperimentOf<PeersOptions> {
   }
 
  private:
-  Trial TrackOne(const fs::path& sensors, const SystemChoice& choice, const ExperimentSetup& setup,
-                 const InterruptGuard& guard) const {
+  Trial TrackOne(const fs::path& sensors, const SystemChoice& choice, const ExperimentSetup& setup) const {
     Trial trial;
     const auto begin = std::chrono::steady_clock::now();
     try {
@@ -124,7 +121,7 @@ class Peers : public ExperimentOf<PeersOptions> {
       if (const auto lack = LackInDataset(InfoOf(choice), reader.calibration(), sensors)) throw BadInput(*lack);
       const fs::path folder = fs::absolute(setup.table).parent_path();
       TrackingThread tracker(MakeSystem(choice, {reader.calibration(), options_.seed, choice.settings}, folder));
-      const Estimate estimate = TrackRecorded(reader, tracker, [&] { return guard.Interrupted(); });
+      const Estimate estimate = TrackRecorded(reader, tracker, [] { return false; });
       trial.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       trial.failure = estimate.failure;
       for (const Score& score : ScoreAgainstTruthBeside(estimate, sensors, choice.name).scores)
@@ -132,6 +129,8 @@ class Peers : public ExperimentOf<PeersOptions> {
     } catch (const TooLittleData& e) {
       trial.failure = e.what();
     } catch (const BadInput& e) {
+      trial.failure = e.what();
+    } catch (const MissingResource& e) {  // one system's: the others' rows stay
       trial.failure = e.what();
     }
     return trial;
