@@ -8,6 +8,7 @@
 #include <iterator>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "algorithms/core/errors.h"
@@ -324,9 +325,12 @@ class MjcfWriter {
   }
 
   /// The cloth's picture is a light grey that the colour is multiplied with.
-  Eigen::Vector3d ClothColor(const Eigen::Vector3d& rgb) const {
-    const cv::Scalar mean = cv::mean(scene_.textures[scene_.cloth_texture].Bgr()) / 255;
-    return (rgb.array() / Eigen::Array3d(mean[2], mean[1], mean[0]).max(0.1)).min(1.0);
+  Eigen::Vector3d ClothColor(const Eigen::Vector3d& rgb) {
+    if (!cloth_mean_) {  // to make the picture takes longer than to write a person
+      const cv::Scalar mean = cv::mean(scene_.textures[scene_.cloth_texture].Bgr()) / 255;
+      cloth_mean_ = Eigen::Array3d(mean[2], mean[1], mean[0]).max(0.1);
+    }
+    return (rgb.array() / *cloth_mean_).min(1.0);
   }
 
   void WriteLight(const SceneLight& light) {
@@ -504,6 +508,7 @@ class MjcfWriter {
 
   const Robot& robot_;
   const Scene& scene_;
+  std::optional<Eigen::Array3d> cloth_mean_;  ///< RGB, of the picture of clothes.
   const PhysicsOptions& physics_;
   const std::vector<WorldCamera>& cameras_;
   MjcfBundle bundle_;

@@ -71,6 +71,19 @@ TEST(People, TheRobotMovesAsIfNobodyWereThere) {
                          among.data()->sensordata));
 }
 
+/// To make it takes longer than all else that a person needs.
+TEST(People, ThePictureOfTheirClothesIsMadeOnceForAll) {
+  Scene scene = With({Crossing(), Crossing(), Crossing()});
+  SceneTexture& cloth = scene.textures[size_t(scene.cloth_texture)];
+  int made = 0;
+  cloth.make = [&made, make = cloth.make] {
+    ++made;
+    return make();
+  };
+  const World world = Standing(scene);
+  EXPECT_EQ(made, 1);
+}
+
 TEST(People, AreWhereTheyWalkAtAnyInstantOfTheRecord) {
   const Scene scene = With({Crossing()});
   World world = Standing(scene);
