@@ -182,9 +182,14 @@ TEST(FloorTracker, ARotationThatTheGyroscopeDoesNotMeasureIsRejected) {
   EXPECT_LE(tracked, 4);
 }
 
-TEST(FloorTracker, ABoxOnTheFloorIsNoPartOfIt) {
-  // Textured, 25 cm high, 0.55 m ahead, a third of the image at the end.
-  const DrawnFloor floor(5), side(6);
+/// What a tracker made of the regions of a floor that a box stands on.
+struct RegionCount {
+  int box = 0, box_rejected = 0, floor = 0, floor_rejected = 0;
+};
+
+/// A textured box, 25 cm high, 0.55 m ahead, a third of the image at the end.
+RegionCount TrackTowardsABox(uint64_t seed) {
+  const DrawnFloor floor(seed), side(100 + seed);
   const Obstacle box = [&](const Pose& X_WC, const Eigen::Vector3d& ray) -> std::optional<double> {
     const double distance = (0.55 - X_WC.translation.x()) / ray.x();
     const Eigen::Vector3d p = X_WC.translation + distance * ray;
@@ -192,28 +197,37 @@ TEST(FloorTracker, ABoxOnTheFloorIsNoPartOfIt) {
     return side.At({p.y(), p.z()});
   };
   FloorTracker tracker(DrawnCalibration(), {});
-  int judged = 0, rejected_box = 0, box_regions = 0, rejected_floor = 0;
+  RegionCount count;
   for (int i = 0; i < 45; ++i) {
     const Pose X_WC = CameraOver({{0.005 * i, 0}, 0});
     const FloorTrack track = tracker.Track(Observe(Draw(floor, {X_WC}, 1, uint64_t(i), box), i));
-    ASSERT_TRUE(track.tracked) << i;
+    EXPECT_TRUE(track.tracked) << i;
     if (!track.retired) continue;
     for (const FloorRegion& region : track.retired->regions) {
       if (!region.judged) continue;
-      ++judged;
       const cv::Point2d middle(region.plane.at.x + 0.5 * region.plane.at.width,
                                region.plane.at.y + 0.5 * region.plane.at.height);
       const Pose& X_WK = track.retired->X_WK;
       const bool on_box = box(X_WK, X_WK.R() * tracker.camera().Unproject({middle.x, middle.y})).has_value();
-      box_regions += on_box;
-      rejected_box += on_box && !region.is_floor;
-      rejected_floor += !on_box && !region.is_floor;
+      ++(on_box ? count.box : count.floor);
+      if (!region.is_floor) ++(on_box ? count.box_rejected : count.floor_rejected);
     }
   }
-  EXPECT_GT(judged, 10);
-  EXPECT_GT(box_regions, 0);
-  EXPECT_GE(rejected_box, (box_regions + 1) / 2);
-  EXPECT_LE(rejected_floor, judged / 4);  // regions at the box's edge hold both
+  return count;
+}
+
+TEST(FloorTracker, ABoxOnTheFloorIsNoPartOfIt) {
+  RegionCount sum;
+  for (uint64_t seed = 5; seed < 9; ++seed) {
+    const RegionCount count = TrackTowardsABox(seed);
+    sum.box += count.box, sum.box_rejected += count.box_rejected;
+    sum.floor += count.floor, sum.floor_rejected += count.floor_rejected;
+  }
+  EXPECT_GT(sum.box, 10);
+  EXPECT_GT(sum.floor, 50);
+  // Regions at the box's edge hold both. Of 15 on the box a coin rejects 12 in one test of 50.
+  EXPECT_GE(sum.box_rejected, 0.75 * sum.box);
+  EXPECT_LE(sum.floor_rejected, 0.1 * sum.floor);
 }
 
 TEST(FloorTracker, AsksForWhatItNeeds) {

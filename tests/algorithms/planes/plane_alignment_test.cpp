@@ -211,16 +211,16 @@ TEST(PlaneAlignment, EveryMotionWithinEightPixelsIsFound) {
 
 TEST(PlaneAlignment, ErrorsAreWhatTheCovarianceSays) {
   double sum2 = 0;
-  constexpr int kTrials = 10;
+  constexpr int kTrials = 16;
   for (uint64_t seed = 1; seed <= kTrials; ++seed) {
     const Trial trial = Align(Motion(0.004, 0.002, -0.006, 0.3, 0.4, -0.5), seed, 3);
     const Vector6d error = LogSe3(trial.found.state.X_CR.Inverse() * trial.truth.X_CR);
     sum2 += error.dot(trial.found.motion_covariance.inverse() * error) / 6;
   }
-  // Chi-square over its degrees of freedom: 1 for exact noise. Interpolation and the texture's own reading error are
-  // not in it, so up to 6 passes (measured 2 to 4); a covariance ten times too small or large would not.
-  EXPECT_LT(sum2 / kTrials, 6);
-  EXPECT_GT(sum2 / kTrials, 0.2);
+  // Chi-square over its degrees of freedom, known to 14 % from 96 of them. Gradients are taken for exact, which noise of
+  // 3 grey levels makes wrong by a third (1.41 over 40 seeds). A covariance twice as large or half as large fails.
+  EXPECT_LT(sum2 / kTrials, 2);
+  EXPECT_GT(sum2 / kTrials, 0.8);
 }
 
 TEST(PlaneAlignment, BrightnessMayChange) {

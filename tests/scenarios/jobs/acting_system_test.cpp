@@ -58,6 +58,24 @@ TEST_F(ActingSystemTest, AJobOfItsOwnWalkScansAndTakesNothingFromTheCache) {
   EXPECT_FALSE(fs::exists(options.cache.folder));
 }
 
+/// It comes to know the first place again only if it looked all around there, and was told of the steps since.
+TEST_F(ActingSystemTest, ClosesTheLoopOfAWalkThereAndBack) {
+  JobOptions options;
+  options.runs = temporary_.path() / "runs";
+  options.cache.folder = temporary_.path() / "cache";
+  const ResolvedScenario resolved =
+      Scenario({"scene=lab", "path.kind=there_and_back", "path.length_m=0.8", "camera.width_px=104",
+                "camera.height_px=80", "camera.fixed_subframes=1"});
+  ASSERT_TRUE(RunJob(resolved, options));
+  const std::optional<JobRecord> record = FindJob(options.runs, resolved);
+  ASSERT_TRUE(record.has_value());
+  EXPECT_EQ(record->failure, "");
+  EXPECT_EQ(record->scores.at("place_nodes"), 2);
+  EXPECT_EQ(record->scores.at("loops_closed"), 1);
+  EXPECT_EQ(record->scores.at("loops_false"), 0);
+  EXPECT_LT(record->scores.at("loop_distance_max_m"), 0.1);  // 2 cm, by a body that comes back to where it was
+}
+
 TEST_F(ActingSystemTest, IsRefusedARobotThatCannotLookAllAround) {
   EXPECT_NO_THROW(CheckPlan(Scenario()));
   EXPECT_THROW(CheckPlan(Scenario({"robot=khr1hv", "gait.foot_spacing_m=0.06"})), BadOption) << "its feet would touch";
