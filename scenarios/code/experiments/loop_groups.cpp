@@ -202,7 +202,7 @@ std::string LoopOutcomeRows(const std::vector<std::string>& keys, const std::vec
   for (const std::string& key : keys) text += "," + key;
   text += ",blur_px,views,possible,accepted,right,area,recall_at_full_precision\n";
   for (const LoopOutcome& o : outcomes) {
-    text += fmt::format("{},\"{}\"", o.walk, o.method);
+    text += fmt::format("\"{}\",\"{}\"", o.walk, o.method);  // two walks' names have a comma between them
     for (const std::string& level : o.levels) text += "," + level;
     text += fmt::format(",{:.2f},{},{},{},{},{:.4f},{:.4f}\n", o.blur_px, o.views, o.curve.possible, o.accepted,
                         o.right, o.curve.area, o.curve.recall_at_full_precision);

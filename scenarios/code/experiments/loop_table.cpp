@@ -271,8 +271,8 @@ class LoopTable : public ExperimentOf<LoopTableOptions> {
     std::string text = "walk,method,threshold,right,wrong,precision,recall\n";
     for (const LoopOutcome& o : outcomes_) {
       for (const PrecisionRecallPoint& p : o.curve.curve) {
-        text += fmt::format("{},\"{}\",{:.6g},{},{},{:.4f},{:.4f}\n", o.walk, o.method, p.threshold, p.right, p.wrong,
-                            p.precision, p.recall);
+        text += fmt::format("\"{}\",\"{}\",{:.6g},{},{},{:.4f},{:.4f}\n", o.walk, o.method, p.threshold, p.right,
+                            p.wrong, p.precision, p.recall);
       }
     }
     return text;

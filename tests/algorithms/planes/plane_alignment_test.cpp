@@ -217,8 +217,8 @@ TEST(PlaneAlignment, ErrorsAreWhatTheCovarianceSays) {
     const Vector6d error = LogSe3(trial.found.state.X_CR.Inverse() * trial.truth.X_CR);
     sum2 += error.dot(trial.found.motion_covariance.inverse() * error) / 6;
   }
-  // Chi-square over its degrees of freedom, known to 14 % from 96 of them. Gradients are taken for exact, which noise of
-  // 3 grey levels makes wrong by a third (1.41 over 40 seeds). A covariance twice as large or half as large fails.
+  // Chi-square over its degrees of freedom, known to 14 % from 96 of them. Gradients are taken for exact, which noise
+  // of 3 grey levels makes wrong by a third (1.41 over 40 seeds). A covariance twice as large or half as large fails.
   EXPECT_LT(sum2 / kTrials, 2);
   EXPECT_GT(sum2 / kTrials, 0.8);
 }

@@ -115,12 +115,13 @@ TEST_F(ExperimentProgramTest, LoopsAsksEveryMemoryAlongARecordedWalkAndLearnsFro
   for (const std::string method : {"icgm_slam, double", "bag_of_words", "fab_map, sampled"})
     EXPECT_THAT(table, HasSubstr("| walk | " + method + " | 20 | 19 | "));
   EXPECT_THAT(ReadText(File("taught.csv")),
-              HasSubstr("walk,method,threshold,right,wrong,precision,recall\nwalk,\"pirf"));
+              HasSubstr("walk,method,threshold,right,wrong,precision,recall\n\"walk\",\"pirf"));
   // A later walk is asked about: all of its views, the first too, may show a place that was learned.
   const ProgramResult later = Run(words + "--test there/walk --out later.md");
   EXPECT_EQ(later.exit_code, 0) << later.err;
   EXPECT_THAT(ReadText(File("later.md")), testing::ContainsRegex("\\| walk, walk \\| pirf_nav \\| 20 \\| 20 \\|"));
   EXPECT_THAT(ReadText(File("later.md")), HasSubstr("nothing more is learned"));
+  EXPECT_THAT(ReadText(File("later.csv")), HasSubstr("\n\"walk, walk\",\"pirf"));
   const ProgramResult untaught = Run(words + "--test there/walk --train there/walk --train here/walk --out no.md");
   EXPECT_EQ(untaught.exit_code, 2);  // no view is left to learn words from
   EXPECT_EQ(Lines(untaught.err), 1) << untaught.err;
@@ -164,7 +165,7 @@ TEST_F(ExperimentProgramTest, LoopsSumUpOverWhatTheWalksScenariosDifferIn) {
   ASSERT_TRUE(std::regex_search(table, twenty, std::regex("\\| 20 \\| ([0-9.]+) \\| icgm_slam, double \\| 1 \\|")));
   EXPECT_GT(std::stod(twenty[1]), std::stod(five[1]));
   EXPECT_FALSE(cv::imread(File("sum.png").string()).empty());
-  EXPECT_THAT(ReadText(File("sum_walks.csv")), HasSubstr("walk,\"pirf_nav\",20,"));
+  EXPECT_THAT(ReadText(File("sum_walks.csv")), HasSubstr("\"walk\",\"pirf_nav\",20,"));
   for (const auto& [key, fragment] : {std::pair{"camera.exposure", "scenario.yaml"},
                                       {"robot", "\"khr1hv\" is not a number"},
                                       {"path", "no single number or word"}}) {
