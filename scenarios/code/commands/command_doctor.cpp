@@ -48,7 +48,7 @@ std::vector<Finding> Findings() {
   findings.push_back(Examine("EGL", [] {
     const RendererInfo renderer = EglContext().info();
     return WhoChooses() + " takes " + renderer.ToText() +
-           (renderer.is_software ? " -- SOFTWARE RENDERING: correct, but 40 to 400 times slower than a GPU" : "");
+           (renderer.is_software ? " -- SOFTWARE RENDERING: correct, but far slower than a GPU" : "");
   }));
   findings.push_back(Examine("report charts", [] {
     ReportHtml(ReportInput{});

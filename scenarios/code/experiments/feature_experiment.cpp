@@ -17,6 +17,8 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
+#include "algorithms/features/descriptor_entropy.h"
+#include "algorithms/features/mobif_adapt.h"
 #include "algorithms/geometry/depth_image.h"
 #include "algorithms/io/dataset_layout.h"
 #include "algorithms/io/dataset_reader.h"
@@ -329,8 +331,30 @@ Features WithoutDoubledOctave(const Features& all) {
   return kept;
 }
 
+Features SiftSingle(const cv::Mat& image, int max_features) {
+  return WithoutDoubledOctave(DetectFeatures(*MakeFeature2d("sift"), image, max_features));
+}
+
+Features MobifDiscards(const cv::Mat& image, int max_features) {
+  return DiscardLowEntropy(DetectFeatures(*MakeFeature2d("mobif"), image, max_features));
+}
+
+Features MobifAdaptAll(const cv::Mat& image, int max_features) {
+  MobifAdaptOptions options;
+  options.discard_low_entropy = false;
+  return DetectFeatures(*MakeMobifAdapt(options), image, max_features);
+}
+
+/// Detectors of this experiment alone.
+const std::map<std::string, Features (*)(const cv::Mat& image, int max_features)>& OwnDetectors() {
+  static const std::map<std::string, Features (*)(const cv::Mat&, int)> own{
+      {"mobif_adapt_all", MobifAdaptAll}, {"mobif_discards", MobifDiscards}, {"sift_single", SiftSingle}};
+  return own;
+}
+
 Features Extract(const std::string& detector, const cv::Mat& image, int max_features) {
-  if (detector == "sift_single") return WithoutDoubledOctave(Extract("sift", image, max_features));
+  const auto own = OwnDetectors().find(detector);
+  if (own != OwnDetectors().end()) return own->second(image, max_features);
   return DetectFeatures(*MakeFeature2d(detector), image, max_features);
 }
 
@@ -395,14 +419,14 @@ class PairExperiment {
 std::vector<std::string> ExperimentDetectors() {
   std::vector<std::string> names;
   for (const FeatureInfo& info : ListFeatures()) names.push_back(info.name);
-  names.push_back(kSiftSingle);
+  for (const auto& [name, extract] : OwnDetectors()) names.push_back(name);
   std::sort(names.begin(), names.end());
   return names;
 }
 
 void CheckDetectors(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
-    if (name != kSiftSingle) MakeFeature2d(name);
+    if (!OwnDetectors().contains(name)) MakeFeature2d(name);
   }
 }
 

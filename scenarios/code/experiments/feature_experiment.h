@@ -86,13 +86,12 @@ std::vector<MatchCount> CountMatches(const Features& a, const Features& b, const
                                      const std::vector<double>& ratios);
 TrueMap MapOfHomography(const Eigen::Matrix3d& H_ba);
 
-/// OpenCV's SIFT without the points of its doubled octave: a detector of this experiment alone.
-inline const std::string kSiftSingle = "sift_single";
-
-/// @throws BadInput for a name that is neither a registered detector nor kSiftSingle.
+/// @throws BadInput for a name that is neither a registered detector nor one of this experiment alone.
 void CheckDetectors(const std::vector<std::string>& names);
 
-/// Every registered detector and kSiftSingle, sorted.
+/// Every registered detector, and those of this experiment alone, sorted: `sift_single` is OpenCV's SIFT without the
+/// points of its doubled octave; of `mobif_discards` features of low entropy are discarded (thesis, 5.3.2), of
+/// `mobif_adapt_all` none.
 std::vector<std::string> ExperimentDetectors();
 
 struct FeatureExperimentOptions {

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -135,6 +136,25 @@ TEST(FeatureExperiment, TheWholeOfItOnOneSmallPair) {
   const std::string table = FeatureTable(cells, {}, {"home"}, "gaitcam experiment features");
   EXPECT_NE(table.find("| mobif_fast |"), std::string::npos);
   EXPECT_FALSE(FeaturePlot(cells).empty());
+}
+
+// Most entropies lie within a standard deviation of their mean: a fifth or so is below.
+TEST(FeatureExperiment, FeaturesOfLowEntropyAreInOneOfTwoDetectorsAlike) {
+  ImagePair pair;
+  pair.name = "itself";
+  pair.H_ba = Eigen::Matrix3d::Identity();
+  pair.a = pair.b = MakePairs({kPictures / "home.jpg"}, 3).front().a(cv::Rect(100, 60, 300, 240)).clone();
+  FeatureExperimentOptions options;
+  options.detectors = {"mobif", "mobif_discards", "mobif_adapt_all", "mobif_adapt"};
+  options.extents_px = {0};
+  std::map<std::string, int> right;
+  for (const FeatureCell& cell : RunFeatureExperiment({pair}, options, [](int, int) {})) {
+    if (cell.setting == "clean" && cell.ratio == 0.8) right[cell.detector] = cell.count.correct;
+  }
+  for (const auto& [all, some] : {std::pair{"mobif", "mobif_discards"}, {"mobif_adapt_all", "mobif_adapt"}}) {
+    EXPECT_GT(right[some], 0.6 * right[all]) << some;
+    EXPECT_LT(right[some], 0.95 * right[all]) << some;
+  }
 }
 
 TEST(FeatureExperiment, SaysWhatIsWrongWithAFolder) {
