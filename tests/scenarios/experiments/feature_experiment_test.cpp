@@ -138,7 +138,7 @@ TEST(FeatureExperiment, TheWholeOfItOnOneSmallPair) {
   EXPECT_FALSE(FeaturePlot(cells).empty());
 }
 
-// Most entropies lie within a standard deviation of their mean: a fifth or so is below.
+// Most entropies lie within a standard deviation of their mean: a sixth or so is below.
 TEST(FeatureExperiment, FeaturesOfLowEntropyAreInOneOfTwoDetectorsAlike) {
   ImagePair pair;
   pair.name = "itself";
