@@ -161,7 +161,7 @@ TEST(StereoVo, LearnsHowTheRightCameraStands) {
   StereoVo vo(told, options, 1);
   TrackAll(vo, Sideways().frames);
   const double before = RotationAngle(told.X_LR.rotation, Rig().X_LR.rotation);
-  EXPECT_LT(RotationAngle(vo.X_LR().rotation, Rig().X_LR.rotation), 0.6 * before);
+  EXPECT_LT(RotationAngle(vo.X_LR().rotation, Rig().X_LR.rotation), 0.3 * before);
 }
 
 TEST(StereoVo, AFrameWithoutItsPairIsLostAndTheNextOneIsNot) {

@@ -164,6 +164,11 @@ TEST(HybridDrive, RefusesWhatItCannotDriveBy) {
   other = DepthAndWheels();
   other.camera = CameraModel::FromHorizontalFov(240, 180, 90);
   says(error(other, TaughtLane(), ToGoal(1)), "learned with a camera of 240 x 180");
+  for (int CameraModel::*side : {&CameraModel::width_px, &CameraModel::height_px}) {
+    other.camera = DepthAndWheels().camera;
+    other.camera.*side -= 20;
+    says(error(other, TaughtLane(), ToGoal(1)), "learned with a camera of 240 x 180");
+  }
   HybridDriveOptions options = ToGoal(1);
   options.sight.feature = "orb";
   says(error(DepthAndWheels(), TaughtLane(), options), "learned with feature");

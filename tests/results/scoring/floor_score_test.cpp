@@ -239,6 +239,12 @@ TEST(FloorScore, ThePicturesShowTheSameGround) {
     const Vector2d at = (p_W - c.corner_m) / c.cell_m;
     return cv::Point(int(std::lround(at.x())), int(std::lround(-at.y())));
   };
+  cv::Mat disk;
+  const cv::Rect around(pixel(kSpot) - cv::Point(10, 10), cv::Size(21, 21));
+  cv::findNonZero(c.truth(around) == 240, disk);
+  const cv::Scalar middle = cv::mean(disk);
+  const Vector2d found = c.corner_m + c.cell_m * Vector2d(around.x + middle[0], -around.y - middle[1]);
+  EXPECT_LT((found - kSpot).norm(), 0.3 * c.cell_m);  // of some hundred pixels
   EXPECT_EQ(c.truth.at<uchar>(pixel(kSpot)), 240);
   EXPECT_EQ(c.estimate.at<uchar>(pixel(kSpot)), 240);
   EXPECT_EQ(c.mask.at<uchar>(pixel(kSpot)), 255);
