@@ -508,7 +508,6 @@ class MjcfWriter {
 
   const Robot& robot_;
   const Scene& scene_;
-  std::optional<Eigen::Array3d> cloth_mean_;  ///< RGB, of the picture of clothes.
   const PhysicsOptions& physics_;
   const std::vector<WorldCamera>& cameras_;
   MjcfBundle bundle_;
@@ -517,6 +516,7 @@ class MjcfWriter {
   std::map<std::array<int, 3>, XMLElement*> neighbours_;
   std::set<int> written_textures_;
   std::map<std::string, std::string> mesh_names_;
+  std::optional<Eigen::Array3d> cloth_mean_;  ///< RGB, of the picture of clothes, once it was asked for.
 };
 
 }  // namespace

@@ -17,7 +17,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/median.h"
 #include "algorithms/core/random.h"
-#include "algorithms/features/descriptor_entropy.h"
+#include "algorithms/features/mobif.h"
 #include "algorithms/features/mobif_adapt.h"
 #include "algorithms/geometry/depth_image.h"
 #include "algorithms/io/dataset_layout.h"
@@ -336,7 +336,9 @@ Features SiftSingle(const cv::Mat& image, int max_features) {
 }
 
 Features MobifDiscards(const cv::Mat& image, int max_features) {
-  return DiscardLowEntropy(DetectFeatures(*MakeFeature2d("mobif"), image, max_features));
+  MobifOptions options;
+  options.discard_low_entropy = true;
+  return DetectFeatures(*MakeMobif(options), image, max_features);
 }
 
 Features MobifAdaptAll(const cv::Mat& image, int max_features) {
