@@ -4,6 +4,7 @@
 
 #include "algorithms/core/clock.h"
 #include "algorithms/core/errors.h"
+#include "models/code/scenes/scene_crowd.h"
 #include "sim/walking/walker.h"
 
 namespace gaitcam {
@@ -125,6 +126,7 @@ Simulation::Simulation(const Robot& robot, const Scene& scene, const SimulationO
   const Pose X_WC = StandingCameraPose(robot, X_MC, X_WR, controller_->InitialJoints());
   calibration_.standing = {X_WC.translation.z(), X_WC.R().transpose() * Eigen::Vector3d::UnitZ()};
   legs_ = LegsOf(robot, options.sensors);
+  if (options.crowd) crowd_.emplace(*options.crowd, RoomOf(scene));
   calibration_.odometry =
       legs_ ? LegDataSheet(options.sensors.odometry->rate_hz) : CalibrateWheels(robot, options.sensors);
   if (calibration_.odometry.rate_hz > 0) calibration_.odometry.X_BC = PlanarPose(X_WR).Lifted().Inverse() * X_WC;
@@ -146,6 +148,7 @@ void Simulation::Restart(const Eigen::Vector3d& start, uint64_t seed) {
   rig_.Reseed(seed);
   sensors_ = SensorSuite(world_, options_.sensors, seed);
   legs_ = LegsOf(robot, options_.sensors);
+  GAITCAM_ASSERT(!crowd_);  // it would be late
   frame_ = 0;
   status_ = SimulationStatus::kWalking;
   left_path_ = false;
@@ -218,6 +221,14 @@ void Simulation::Control() {
   const Eigen::Vector2d position = world_.X_WB().translation.head<2>();
   distance_m_ += (position - last_position_).norm();
   last_position_ = position;
+  MoveCrowd();
+}
+
+void Simulation::MoveCrowd() {
+  if (!crowd_ || !crowd_->Advance(1e-9 * double(world_.stamp_ns()), last_position_)) return;
+  std::vector<PersonWalk> people = *world_.people();
+  crowd_->Replan(std::span(people).last(crowd_->size()));
+  world_.SetPeople(std::make_shared<const std::vector<PersonWalk>>(std::move(people)));
 }
 
 /// @returns false if the run ended before `stamp_ns`.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "algorithms/core/observation.h"
+#include "models/code/people/crowd.h"
 #include "sim/camera/camera_rig.h"
 #include "sim/camera/egl_context.h"
 #include "sim/camera/renderer.h"
@@ -30,6 +31,7 @@ struct SimulationOptions {
   HeadScanOptions scan;                  ///< How it looks all around when asked to.
   double duration_s = 0;                 ///< 0: until the path ends.
   std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg; the scene's own if absent.
+  std::optional<CrowdPlan> crowd;  ///< Of the last of the scene's people, who then mind where the robot really is.
 };
 
 /// All stamps are of the sensors' clock, which shows kClockStart_ns (algorithms/core/clock.h) when the walk begins.
@@ -118,6 +120,7 @@ class Simulation {
   void TakeReadings(Observation& seen);
   void SkipFrame();
   void PutAtStart();
+  void MoveCrowd();
   void Control();
   std::optional<ScanState> ScanAt(int64_t stamp_ns) const;
   void FillTruth(int64_t stamp_ns, FrameTruth& truth);
@@ -137,6 +140,7 @@ class Simulation {
   std::unique_ptr<Controller> controller_;
   SensorSuite sensors_;
   std::optional<LegOdometry> legs_;
+  std::optional<LiveCrowd> crowd_;
   Renderer renderer_;
   Calibration calibration_;
   MjDataPtr middle_;  ///< The mechanism at mid-exposure.

@@ -84,7 +84,7 @@ World::World(const Robot& robot, const Scene& scene, const PhysicsOptions& physi
   pictures_ = std::move(bundle.pictures);
   model_.reset(mj_copyModel(nullptr, nominal_.get()));
   data_.reset(mj_makeData(model_.get()));
-  people_ = std::make_shared<std::vector<PersonWalk>>(scene.people.begin(), scene.people.end());
+  people_ = std::make_shared<const std::vector<PersonWalk>>(scene.people.begin(), scene.people.end());
   record_.SetPeople(people_);
   FindAddresses();
   Perturb(physics, seed);
@@ -182,6 +182,12 @@ void World::SetState(const Pose& X_WB, const std::vector<double>& joint_position
   ThrowOnWarning();
   record_.Clear();
   AppendRecord();
+}
+
+void World::SetPeople(std::shared_ptr<const std::vector<PersonWalk>> people) {
+  GAITCAM_ASSERT(people->size() == people_->size());
+  people_ = std::move(people);
+  record_.SetPeople(people_);
 }
 
 void World::SetTargets(const std::vector<double>& targets) {

@@ -175,6 +175,10 @@ class World {
   double FootForce(int side) const { return foot_force_[side]; }  ///< Normal contact force, N, during the last step.
   /// Root link too low or tilted by more than 53 degrees, or a link other than the feet on the floor.
   bool HasFallen() const;
+  /// Never null.
+  const std::shared_ptr<const std::vector<PersonWalk>>& people() const { return people_; }
+  /// The same people, who have changed their minds. @pre up to now they have walked as the former ones.
+  void SetPeople(std::shared_ptr<const std::vector<PersonWalk>> people);
   MotionRecord& record() { return record_; }
   const MotionRecord& record() const { return record_; }
   const Robot& robot() const { return robot_; }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "algorithms/core/errors.h"
 #include "algorithms/core/pose.h"
 #include "models/code/people/crowd_forces.h"
 
@@ -18,9 +19,11 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kTick_s = 0.05;
-constexpr int kTicksPerPose = 2, kTicksPerLook = 4;   // from one pose of a course, one look ahead, to the next
-constexpr double kRecorded_s = -2, kScatter_s = -10;  // before the run: until then people scatter
+constexpr int kTicksPerPose = 2, kTicksPerLook = 4;     // from one pose of a course, one look ahead, to the next
+constexpr int kFirstTick = -200, kFirstRecorded = -40;  // before the run: until then people scatter
+constexpr double kScatter_s = kFirstTick * kTick_s, kRecorded_s = kFirstRecorded * kTick_s;
 constexpr double kAfterRun_s = 1;
+constexpr int kForeseen = 40;          // ticks, by live walkers: steps to be planned depend on less
 constexpr double kSeen_m = 5;          // whom walkers avoid
 constexpr double kBodyRadius_m = 0.2;  // from which the distance to walls counts
 constexpr double kFastest = 1.3;       // of the preferred speed (Helbing and Molnar, 1995)
@@ -46,14 +49,16 @@ struct Walker {
 
 class CrowdSimulation {
  public:
-  CrowdSimulation(const CrowdEntry& crowd, const CrowdRoom& room, const RobotCourse& robot, double duration_s,
-                  uint64_t seed)
-      : crowd_(crowd), robot_(robot), end_s_(duration_s + kAfterRun_s), map_(room.min, room.max, room.obstacles) {
-    cast_ = CastCrowd(crowd, room, robot, duration_s, seed, map_);
+  using Courses = std::vector<std::shared_ptr<PersonCourse>>;
+
+  CrowdSimulation(const CrowdPlan& plan, const CrowdRoom& room)
+      : crowd_(plan.crowd), robot_(plan.robot), map_(room.min, room.max, room.obstacles) {
+    const uint64_t seed = crowd_.seed.value_or(plan.seed);
+    cast_ = CastCrowd(crowd_, room, robot_, plan.duration_s, seed, map_);
     for (size_t i = 0; i < cast_.members.size(); ++i) {
       const CastMember& member = cast_.members[i];
       RandomStream random(seed, fmt::format("crowd.person{}", i));
-      people_.push_back(DrawCrowdPerson(crowd, random));
+      people_.push_back(DrawCrowdPerson(crowd_, random));
       people_.back().manner = MannerOf(member, random);
       courses_.push_back(std::make_shared<PersonCourse>());
       courses_.back()->begin_s = kRecorded_s;
@@ -82,19 +87,48 @@ class CrowdSimulation {
     return manner;
   }
 
-  std::vector<PersonOptions> Run() {
-    const int first = int(std::lround(kScatter_s / kTick_s)), record = int(std::lround(kRecorded_s / kTick_s));
-    const int last = walkers_.empty() ? first : int(std::ceil(end_s_ / kTick_s));
-    for (int step = first; step < last; ++step) {
-      if (step >= record && (step - record) % kTicksPerPose == 0) Record();
-      Advance(step * kTick_s, (step - first) % kTicksPerLook == 0);
+  /// The state is then the one at time tick * kTick_s.
+  void StepTo(int tick) {
+    if (walkers_.empty()) return;
+    for (; tick_ < tick; ++tick_) {
+      if (tick_ >= kFirstRecorded && (tick_ - kFirstRecorded) % kTicksPerPose == 0) Record();
+      Advance(tick_ * kTick_s, (tick_ - kFirstTick) % kTicksPerLook == 0);
     }
-    for (size_t i = 0; i < people_.size(); ++i) {
-      people_[i].name = fmt::format("crowd{}", i);
-      people_[i].path = {courses_[i]->poses[0].head<2>()};
-      people_[i].course = courses_[i];
+  }
+
+  /// The courses so far, and how they would go on for kForeseen ticks.
+  Courses Foresee() {
+    const std::vector<Walker> walkers = walkers_;
+    const std::vector<int> held = held_;
+    const int tick = tick_;
+    const Courses courses = courses_;
+    for (const Walker& walker : walkers_) {
+      std::shared_ptr<PersonCourse>& course = courses_[walker.member];
+      course = std::make_shared<PersonCourse>(*course);
     }
-    return std::move(people_);
+    foresees_ = true;
+    StepTo(tick + kForeseen);
+    foresees_ = false;
+    walkers_ = walkers;
+    held_ = held;
+    tick_ = tick;
+    return std::exchange(courses_, courses);
+  }
+
+  /// From now on it is where this says.
+  void SetRobot(RobotCourse robot) { robot_ = std::move(robot); }
+
+  /// Of all members; one who never moves has a course of one pose.
+  const Courses& courses() const { return courses_; }
+
+  std::vector<PersonOptions> People() const {
+    std::vector<PersonOptions> people = people_;
+    for (size_t i = 0; i < people.size(); ++i) {
+      people[i].name = fmt::format("crowd{}", i);
+      people[i].path = {courses_[i]->poses[0].head<2>()};
+      people[i].course = courses_[i];
+    }
+    return people;
   }
 
  private:
@@ -109,6 +143,7 @@ class CrowdSimulation {
     if (robot_) {
       const Vector2d now = robot_(std::max(0.0, time_s)), next = robot_(std::max(0.0, time_s + kTick_s));
       robot_now_ = Passer{now, (next - now) / kTick_s};
+      if (!foresees_) robot_from_ = now;
     }
     for (Walker& walker : walkers_) Decide(time_s, looks, walker);
     std::vector<Vector2d> accelerations;
@@ -241,11 +276,18 @@ class CrowdSimulation {
       }
       for (Walker& walker : walkers_) {
         Vector2d& p = walker.at.position;
-        if (robot_now_) p += Overlap(p - robot_now_->position, crowd_.keep_off_m);
+        if (robot_now_) p += Overlap(p - RobotNear(p), crowd_.keep_off_m);
         const double clearance = map_.Clearance(p);
         if (clearance < kCrowdFromWalls_m) p += (kCrowdFromWalls_m - clearance) * map_.Away(p);
       }
     }
+  }
+
+  /// Where it is; foreseen, the nearest point of where it may come to stand by then.
+  Vector2d RobotNear(const Vector2d& p) const {
+    const Vector2d way = robot_now_->position - robot_from_;
+    if (way.norm() < 1e-9) return robot_now_->position;
+    return robot_from_ + std::clamp((p - robot_from_).dot(way) / way.squaredNorm(), 0.0, 1.0) * way;
   }
 
   /// By how much what is `between` apart is to be moved on for a distance of `apart_m`.
@@ -268,26 +310,79 @@ class CrowdSimulation {
     walker.yaw += kTick_s * std::clamp(kTurnGain * WrapAngle(wanted - walker.yaw), -kTurnRate, kTurnRate);
   }
 
-  const CrowdEntry& crowd_;
-  const RobotCourse& robot_;
-  const double end_s_;
+  const CrowdEntry crowd_;
+  RobotCourse robot_;
   FloorMap map_;
   CrowdCast cast_;
   std::vector<PersonOptions> people_;
-  std::vector<std::shared_ptr<PersonCourse>> courses_;
+  Courses courses_;
   std::vector<Walker> walkers_;
   std::vector<Passer> standing_;
+  int tick_ = kFirstTick;
   std::optional<Passer> robot_now_;
+  Vector2d robot_from_{0, 0};  ///< Where it truly was last.
+  bool foresees_ = false;
   std::vector<int> held_;               ///< By how many walkers each goal is sought.
   std::map<int, FloorMap::Ways> ways_;  ///< To goals that somebody sought.
 };
 
 }  // namespace
 
-std::vector<PersonOptions> SimulateCrowd(const CrowdEntry& crowd, const CrowdRoom& room, const RobotCourse& robot,
-                                         double duration_s, uint64_t seed) {
-  if (crowd.count == 0) return {};
-  return CrowdSimulation(crowd, room, robot, duration_s, crowd.seed.value_or(seed)).Run();
+std::vector<PersonOptions> SimulateCrowd(const CrowdPlan& plan, const CrowdRoom& room) {
+  if (plan.crowd.count == 0) return {};
+  CrowdSimulation simulation(plan, room);
+  simulation.StepTo(int(std::ceil((plan.duration_s + kAfterRun_s) / kTick_s)));
+  return simulation.People();
 }
+
+class LiveCrowd::Parts {
+ public:
+  Parts(const CrowdPlan& plan, const CrowdRoom& room) : simulation_(plan, room) {
+    simulation_.StepTo(0);
+    simulation_.SetRobot([this](double time_s) { return RobotAt(time_s); });
+  }
+
+  bool Advance(double time_s, const Vector2d& robot) {
+    const int tick = int(std::floor(time_s / kTick_s + 1e-9));
+    if (tick == tick_) return false;
+    const double before_s = time_s_;
+    if (tick_ >= 0) velocity_ = (robot - robot_) / (time_s - before_s);
+    time_s_ = time_s;
+    robot_ = robot;
+    simulation_.StepTo(tick);
+    const bool replans = tick / kTicksPerLook != tick_ / kTicksPerLook || tick_ < 0;
+    tick_ = tick;
+    return replans;
+  }
+
+  void Replan(std::span<PersonWalk> walks) {
+    const CrowdSimulation::Courses courses = simulation_.Foresee();
+    GAITCAM_ASSERT(walks.size() == courses.size());
+    for (size_t i = 0; i < courses.size(); ++i) {
+      if (courses[i] != simulation_.courses()[i]) walks[i].FollowFrom(time_s_, courses[i]);
+    }
+  }
+
+  size_t size() const { return simulation_.courses().size(); }
+
+ private:
+  /// Before, and as it would go on.
+  Vector2d RobotAt(double time_s) const { return robot_ + (time_s - time_s_) * velocity_; }
+
+  CrowdSimulation simulation_;
+  int tick_ = -1;
+  double time_s_ = 0;
+  Vector2d robot_{0, 0}, velocity_{0, 0};
+};
+
+LiveCrowd::LiveCrowd(const CrowdPlan& plan, const CrowdRoom& room) : parts_(std::make_unique<Parts>(plan, room)) {}
+LiveCrowd::LiveCrowd(LiveCrowd&&) noexcept = default;
+LiveCrowd::~LiveCrowd() = default;
+
+size_t LiveCrowd::size() const { return parts_->size(); }
+
+bool LiveCrowd::Advance(double time_s, const Vector2d& robot) { return parts_->Advance(time_s, robot); }
+
+void LiveCrowd::Replan(std::span<PersonWalk> walks) { parts_->Replan(walks); }
 
 }  // namespace gaitcam

@@ -12,7 +12,7 @@
 namespace gaitcam {
 
 /// One crowd, as a scene's or a scenario's `crowd` says it. How it moves follows from this, the room, the robot's
-/// planned course and a seed: see SimulateCrowd.
+/// course and a seed: see crowd.h.
 ///
 ///   crowd: {count: 40, standing: 0.1, talking: 0.25, speed_m_s: 1.2}
 struct CrowdEntry {
@@ -49,7 +49,7 @@ void VisitFields(Visitor& visit, CrowdEntry& o) {
   visit("goals", o.goals, Nested(),
         "where walkers go, [[x m, y m], ...]; absent: random free places, and places before posters and furniture");
   visit("keep_off_m", o.keep_off_m, Between(0.3, 3),
-        "between the robot's middle and that of a person: they walk round its planned course");
+        "between the robot's middle and that of a person: they walk round it");
   visit("height_m", o.height_m, Nested(), "of the shortest and the tallest");
 }
 

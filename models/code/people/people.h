@@ -1,7 +1,7 @@
 /// People in a scene: who they are, where they walk and how they look.
 ///
 /// A person is a moving visual only, without contact or mass. Who walks a path of his own avoids nobody; people of a
-/// crowd (crowd.h) avoid each other, what stands about and the robot's planned course.
+/// crowd (crowd.h) avoid each other, what stands about and the robot.
 
 #pragma once
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "algorithms/core/errors.h"
 
@@ -39,8 +40,16 @@ double LeftOf(const Vector2d& spot, double yaw, const Vector2d& p) {
 
 class CourseWalker {
  public:
-  CourseWalker(const PersonCourse& course, double height_m) : course_(course), height_(height_m) {
+  CourseWalker(const PersonCourse& course, double height_m, std::vector<PersonStep> begun)
+      : course_(course), height_(height_m), steps_(std::move(begun)) {
     feet_.fill({course.poses[0].head<2>(), course.poses[0].z()});
+    for (const PersonStep& step : steps_) {
+      time_ += step.duration_s;
+      rests_ = step.side < 0 ? std::min(2, rests_ + 1) : 0;
+      if (step.side < 0) continue;
+      feet_[size_t(step.side)] = step.to;
+      last_ = step.side;
+    }
   }
 
   std::vector<PersonStep> Walk() {
@@ -145,9 +154,21 @@ double StepLength(double speed_m_s, double height_m) {
   return std::sqrt(kWalkRatio * speed_m_s) * height_m / kUsualHeight_m;
 }
 
-std::vector<PersonStep> StepsAlong(const PersonCourse& course, double height_m) {
+std::vector<PersonStep> StepsAlong(const PersonCourse& course, double height_m, std::vector<PersonStep> begun) {
   GAITCAM_ASSERT(!course.poses.empty());
-  return CourseWalker(course, height_m).Walk();
+  return CourseWalker(course, height_m, std::move(begun)).Walk();
+}
+
+std::vector<PersonStep> StepsBegun(std::vector<PersonStep> steps, double time_s) {
+  std::erase_if(steps, [&](const PersonStep& step) { return step.begin_s >= time_s; });
+  const size_t count = steps.size();
+  const bool at_ease = count > 0 && steps.back().side < 0 && (count == 1 || steps[count - 2].side < 0);
+  if (at_ease) {
+    PersonStep& pause = steps.back();
+    const double asked = std::ceil((time_s - pause.begin_s) / kPauseMore_s - 1e-6);
+    pause.duration_s = std::min(pause.duration_s, std::max(1.0, asked) * kPauseMore_s);
+  }
+  return steps;
 }
 
 }  // namespace gaitcam

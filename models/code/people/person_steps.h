@@ -32,7 +32,11 @@ double StepLength(double speed_m_s, double height_m);
 
 /// Steps and pauses, one after the other from the course's begin to its end, that carry the hips along a course. Steps
 /// are as long as its speed asks for; who hardly moves stands until there is a step to do. Feet do not cross.
-/// `begin_s` counts from the course's begin. @pre the course has a pose.
-std::vector<PersonStep> StepsAlong(const PersonCourse& course, double height_m);
+/// `begin_s` counts from the course's begin. @param begun steps that are done or on their way, and stay as they are.
+/// @pre the course has a pose.
+std::vector<PersonStep> StepsAlong(const PersonCourse& course, double height_m, std::vector<PersonStep> begun = {});
+
+/// The steps that have begun at `time_s`. A pause of somebody who stands at ease ends then.
+std::vector<PersonStep> StepsBegun(std::vector<PersonStep> steps, double time_s);
 
 }  // namespace gaitcam

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/units.h"
@@ -72,7 +73,7 @@ PersonWalk::PersonWalk(const PersonOptions& options) : options_(options), body_(
   first_.fill({options.path[0], yaw});
   last_ = first_;
   if (options.course) {
-    FollowCourse();
+    FollowCourse({});
     return;
   }
   AddHips(0, true);
@@ -82,15 +83,25 @@ PersonWalk::PersonWalk(const PersonOptions& options) : options_(options), body_(
   PlanSteps();
 }
 
+void PersonWalk::FollowFrom(double time_s, std::shared_ptr<const PersonCourse> course) {
+  GAITCAM_ASSERT(options_.course && course->begin_s == options_.course->begin_s);
+  GAITCAM_ASSERT(course->poses.front() == options_.course->poses.front());
+  options_.course = std::move(course);
+  std::vector<PersonStep> begun = StepsBegun(std::exchange(steps_, {}), time_s - start_s() + kPlanned_s);
+  hips_.clear();
+  duration_s_ = 0;
+  FollowCourse(std::move(begun));
+}
+
 /// Of a crowd's simulation.
-void PersonWalk::FollowCourse() {
+void PersonWalk::FollowCourse(std::vector<PersonStep> begun) {
   const PersonCourse& course = *options_.course;
   GAITCAM_ASSERT(!course.poses.empty());
   first_.fill({course.poses[0].head<2>(), course.poses[0].z()});
   last_ = first_;
   options_.repeat = false;
   AddHips(0, true);
-  for (const PersonStep& step : StepsAlong(course, options_.height_m)) {
+  for (const PersonStep& step : StepsAlong(course, options_.height_m, std::move(begun))) {
     if (step.side < 0) {
       AddPause(step.duration_s);
     } else {

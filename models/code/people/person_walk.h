@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "models/code/people/people.h"
@@ -20,12 +21,20 @@ class PersonWalk {
  public:
   /// Part of a step during which its foot is in the air; then both feet are on the floor.
   static constexpr double kSwing = 0.75;
+  /// How far ahead steps are planned, s. A pose depends on the hips at the two double supports to come, of which the
+  /// second one belongs to a step that begins within an eighth of a step and a whole one, each 0.6 s long at most.
+  static constexpr double kPlanned_s = 0.7;
 
   /// @pre the options were checked, as ReadOption does.
   explicit PersonWalk(const PersonOptions& options);
 
   /// Any time, also negative.
   PersonPose At(double time_s) const;
+
+  /// Follows another course from `time_s` on. Until then all poses stay as they were, to rounding; so do the steps that
+  /// begin within kPlanned_s, as nobody changes a step that is on its way.
+  /// @pre the walk follows a course that begins at the same time and pose.
+  void FollowFrom(double time_s, std::shared_ptr<const PersonCourse> course);
 
   const PersonBody& body() const { return body_; }
   /// All steps of the path, or of one lap there and back if it is repeated; time 0 is when the person starts.
@@ -48,7 +57,7 @@ class PersonWalk {
 
   double LapTime(double time_s) const;
   void PlanSteps();
-  void FollowCourse();
+  void FollowCourse(std::vector<PersonStep> begun);
   void AddPause(double duration_s);
   double PauseAfterStretch() const;
   void AddStep(int side, const FootSpot& to, double duration_s);

@@ -18,9 +18,9 @@ CrowdRoom RoomOf(const Scene& scene) {
   return room;
 }
 
-void AddCrowd(const CrowdEntry& crowd, const RobotCourse& robot, double duration_s, uint64_t seed, Scene& scene) {
+void AddCrowd(const CrowdPlan& plan, Scene& scene) {
   std::erase_if(scene.people, [](const PersonOptions& person) { return person.course != nullptr; });
-  AddPeople(SimulateCrowd(crowd, RoomOf(scene), robot, duration_s, seed), scene);
+  AddPeople(SimulateCrowd(plan, RoomOf(scene)), scene);
 }
 
 }  // namespace gaitcam

@@ -128,7 +128,8 @@ void AddCrowdOf(ResolvedScenario& resolved) {
   }
   const double duration_s =
       scenario.duration_s > 0 ? scenario.duration_s : PathTime(scenario, resolved.robot) + kLater_s;
-  AddCrowd(*crowd, robot, duration_s, scenario.seed, resolved.scene);
+  resolved.crowd = CrowdPlan{*crowd, robot, duration_s, scenario.seed};
+  AddCrowd(*resolved.crowd, resolved.scene);
 }
 
 /// Fails at `setting` within `node`, or as near to it as the file goes.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "algorithms/core/option_reader.h"
+#include "models/code/people/crowd.h"
 #include "models/code/robots/gait.h"
 #include "models/code/robots/robot.h"
 #include "models/code/scenes/scene.h"
@@ -162,6 +163,7 @@ struct ResolvedScenario {
   Scenario scenario;
   Robot robot;
   Scene scene;                           ///< As the seed finds it, with all people.
+  std::optional<CrowdPlan> crowd;        ///< What its crowd, the last of its people, was simulated from.
   std::optional<Eigen::Vector3d> start;  ///< Of this seed: x m, y m, yaw deg; absent: as the scene says.
   std::filesystem::path file;
   std::shared_ptr<const RouteMap> map;  ///< Of `scenario.map`, if it names one.

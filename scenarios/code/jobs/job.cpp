@@ -74,6 +74,7 @@ struct TrackedWalk {
   Trajectory truth;
   std::vector<int64_t> stamps;
   std::vector<double> blur_px;  ///< Median over the image, per frame.
+  PeopleAt people;
   std::string status;
   double end_time_s = 0;
   RendererInfo renderer;
@@ -98,6 +99,8 @@ std::optional<TrackedWalk> TrackCached(const ResolvedScenario& resolved, const f
   walk.status = sequence->status;
   walk.end_time_s = sequence->end_time_s;
   walk.renderer = sequence->renderer;
+  const std::vector<PersonOptions>& people = resolved.scene.people;
+  walk.people = WhereWalk(std::make_shared<const std::vector<PersonWalk>>(people.begin(), people.end()));
   return walk;
 }
 
@@ -118,6 +121,7 @@ std::optional<TrackedWalk> TrackItsOwn(const ResolvedScenario& resolved, const f
   if (simulation.status() == SimulationStatus::kWalking) return std::nullopt;
   walk.status = StatusText(EndOf(simulation));
   walk.end_time_s = simulation.end_time_s();
+  walk.people = WhereWalk(simulation.world().people());
   walk.renderer = simulation.gl().info();
   return walk;
 }
@@ -127,7 +131,7 @@ std::optional<Scores> ScoreInto(const TrackedWalk& walk, const ResolvedScenario&
   if (!walk.blur_px.empty()) record.blur_median_px = UpperMedian(walk.blur_px);
   const double poses = double(walk.estimate.ToTrajectory().size());
   record.scores["coverage_ratio"] = walk.stamps.empty() ? 0 : poses / double(walk.stamps.size());
-  const RunScores run = ScoreRun(walk.estimate, walk.truth, walk.stamps, resolved);
+  const RunScores run = ScoreRun(walk.estimate, walk.truth, walk.stamps, resolved, walk.people);
   record.not_scored = run.not_scored;
   if (!run.scores) return std::nullopt;
   for (const Score& score : run.scores->scores) record.scores[score.name] = score.value;

@@ -14,12 +14,10 @@
 #include "algorithms/io/route_map_file.h"
 #include "algorithms/io/trajectory_file.h"
 #include "algorithms/io/whole_file.h"
-#include "models/code/people/person_walk.h"
 #include "results/reports/report_drive.h"
 #include "results/reports/report_graph.h"
 #include "results/reports/report_map.h"
 #include "results/reports/report_poses.h"
-#include "results/scoring/drive_score.h"
 #include "results/scoring/floor_pose.h"
 #include "results/scoring/place_graph_score.h"
 #include "results/scoring/route_map_score.h"
@@ -51,19 +49,17 @@ Trajectory TruthOfSessions(const RouteMap& map, const MapContext& context) {
   return truth;
 }
 
-/// Where the middle of each person's body is, seen from above.
-PeopleAt PeopleOf(const Scene& scene) {
-  std::vector<PersonWalk> walks(scene.people.begin(), scene.people.end());
-  return [walks = std::move(walks)](int64_t stamp_ns) {
+}  // namespace
+
+PeopleAt WhereWalk(std::shared_ptr<const std::vector<PersonWalk>> people) {
+  return [people = std::move(people)](int64_t stamp_ns) {
     std::vector<Eigen::Vector2d> at;
-    for (const PersonWalk& walk : walks) {
+    for (const PersonWalk& walk : *people) {
       at.emplace_back(walk.At(SecondsIntoWalk(stamp_ns))[size_t(PersonPart::kHips)].translation.head<2>());
-    };
+    }
     return at;
   };
 }
-
-}  // namespace
 
 MapResult ResultOf(const FloorPicture& map, const MapContext& context) {
   if (!context.poses.HasPoses()) return {};
@@ -120,8 +116,8 @@ MapResult ResultOf(const RouteMap& map, const MapContext& context) {
 }
 
 MapResult ResultOf(const TaughtDrive& map, const MapContext& context) {
-  const auto comparison = std::make_shared<const DriveComparison>(
-      CompareDrive(map, {context.truth, context.taught, PeopleOf(context.scene)}));
+  const auto comparison =
+      std::make_shared<const DriveComparison>(CompareDrive(map, {context.truth, context.taught, context.people}));
   MapResult result;
   result.scores = comparison->scores;
   result.write = [comparison, &map](const fs::path& folder) {

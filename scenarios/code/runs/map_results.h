@@ -6,12 +6,15 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "algorithms/core/map.h"
 #include "algorithms/core/trajectory.h"
+#include "models/code/people/person_walk.h"
 #include "models/code/scenes/scene.h"
 #include "results/reports/report.h"
+#include "results/scoring/drive_score.h"
 #include "results/scoring/place_graph_score.h"
 #include "results/scoring/score.h"
 
@@ -20,11 +23,15 @@ namespace gaitcam {
 /// What a map is compared with.
 struct MapContext {
   const Scene& scene;
-  const Trajectory& truth;        ///< X_WC of the camera.
-  const Trajectory& taught;       ///< X_WC of the walk that taught the map that the run was given; empty if unknown.
-  const Scores& poses;            ///< Their SE(3) alignment moves the map into the world of the truth.
+  const Trajectory& truth;   ///< X_WC of the camera.
+  const Trajectory& taught;  ///< X_WC of the walk that taught the map that the run was given; empty if unknown.
+  const Scores& poses;       ///< Their SE(3) alignment moves the map into the world of the truth.
+  PeopleAt people;
   PlaceGraphScoreOptions places;  ///< When its loops are right.
 };
+
+/// The middle of each person's body, seen from above.
+PeopleAt WhereWalk(std::shared_ptr<const std::vector<PersonWalk>> people);
 
 struct MapResult {
   std::vector<Score> scores;

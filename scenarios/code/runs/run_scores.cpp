@@ -39,14 +39,14 @@ Scores ScorePoses(const Estimate& estimate, const Trajectory& truth, const std::
 }  // namespace
 
 RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
-                   const ResolvedScenario& resolved) {
+                   const ResolvedScenario& resolved, const PeopleAt& people) {
   RunScores run;
   const ScoreOptions& options = resolved.scenario.score;
   try {
     Scores scores = ScorePoses(estimate, truth, frame_stamps, options);
     const Trajectory taught = TaughtTruth(resolved);
-    run.maps = ResultsOf(estimate.maps,
-                         {resolved.scene, truth, taught, scores, options.places.value_or(PlaceGraphScoreOptions())});
+    run.maps = ResultsOf(estimate.maps, {resolved.scene, truth, taught, scores, people,
+                                         options.places.value_or(PlaceGraphScoreOptions())});
     for (const MapResult& map : run.maps) {
       scores.scores.insert(scores.scores.end(), map.scores.begin(), map.scores.end());
     }

@@ -24,10 +24,10 @@ struct RunScores {
 
 /// Scores of maps follow those of the poses. A system that gives a graph of places and no poses is scored by its graph
 /// alone; so is one that drives by a map and hardly ever finds itself in it. Where the walk that taught that map truly
-/// went is read from taught.txt or truth.txt beside the map. The result refers to `estimate` and `truth`, which must
-/// outlive it.
+/// went is read from taught.txt or truth.txt beside the map. `people` are where they truly were. The result refers to
+/// `estimate` and `truth`, which must outlive it.
 RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
-                   const ResolvedScenario& resolved);
+                   const ResolvedScenario& resolved, const PeopleAt& people);
 
 /// Whether a recorded folder has its truth beside it, as `record` leaves it.
 bool HasTruthBeside(const std::filesystem::path& sensors);

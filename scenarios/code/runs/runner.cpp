@@ -138,10 +138,11 @@ PathFeedback SteeredBy(const ResolvedScenario& resolved) {
 }
 
 std::string SteeringText(const ResolvedScenario& resolved) {
+  const std::string until = ActsOnBody(resolved.scenario) ? " until its system commands otherwise" : "";
   switch (SteeredBy(resolved)) {
-    case PathFeedback::kTruth: return "steered by its true pose";
-    case PathFeedback::kOdometry: return "steered by its own odometry";
-    case PathFeedback::kNone: return "not steered";
+    case PathFeedback::kTruth: return "steered by its true pose" + until;
+    case PathFeedback::kOdometry: return "steered by its own odometry" + until;
+    case PathFeedback::kNone: return "not steered" + until;
   }
   GAITCAM_ASSERT(false);
   return {};
@@ -159,6 +160,7 @@ SimulationOptions SimulationOptionsOf(const ResolvedScenario& resolved) {
   options.scan = scenario.scan.value_or(HeadScanOptions());
   options.duration_s = scenario.duration_s;
   options.start = resolved.start;
+  if (ActsOnBody(scenario)) options.crowd = resolved.crowd;
   return options;
 }
 
@@ -193,7 +195,7 @@ RunOutcome RunScenario(const ResolvedScenario& resolved, const RunOptions& optio
   const Estimate estimate = TrackLive(simulation, tracker, live);
   progress.Finish();
 
-  const RunScores run = ScoreRun(estimate, log.truth(), log.stamps(), resolved);
+  const RunScores run = ScoreRun(estimate, log.truth(), log.stamps(), resolved, WhereWalk(simulation.world().people()));
   ReportInput report;
   report.scores = run.scores ? &*run.scores : nullptr;
   report.no_scores_reason = run.not_scored;

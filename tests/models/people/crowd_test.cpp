@@ -38,7 +38,7 @@ CrowdEntry Forty() {
 /// The one that all tests look at.
 const std::vector<PersonOptions>& TheCrowd() {
   static const std::vector<PersonOptions> people =
-      SimulateCrowd(Forty(), RoomOf(Cafeteria()), Crossing, kDuration_s, 1);
+      SimulateCrowd({Forty(), Crossing, kDuration_s, 1}, RoomOf(Cafeteria()));
   return people;
 }
 
@@ -59,8 +59,8 @@ double Walked(const PersonWalk& walk) {
 
 TEST(Crowd, TheSameSeedGivesTheSamePeopleAndAnotherGivesOthers) {
   const CrowdRoom room = RoomOf(Cafeteria());
-  const auto again = SimulateCrowd(Forty(), room, Crossing, kDuration_s, 1);
-  const auto other = SimulateCrowd(Forty(), room, Crossing, kDuration_s, 2);
+  const auto again = SimulateCrowd({Forty(), Crossing, kDuration_s, 1}, room);
+  const auto other = SimulateCrowd({Forty(), Crossing, kDuration_s, 2}, room);
   ASSERT_EQ(again.size(), 40u);
   ASSERT_EQ(other.size(), 40u);
   int same = 0;
@@ -75,7 +75,7 @@ TEST(Crowd, TheSameSeedGivesTheSamePeopleAndAnotherGivesOthers) {
   // A crowd with a seed of its own does not ask for the run's.
   CrowdEntry own = Forty();
   own.seed = 1;
-  EXPECT_EQ(SimulateCrowd(own, room, Crossing, kDuration_s, 7)[5].course->poses, TheCrowd()[5].course->poses);
+  EXPECT_EQ(SimulateCrowd({own, Crossing, kDuration_s, 7}, room)[5].course->poses, TheCrowd()[5].course->poses);
 }
 
 TEST(Crowd, NobodyTouchesAnybodyOrAnythingOrTheRobot) {
@@ -176,12 +176,84 @@ TEST(Crowd, LegsReachTheirFeetAndBodiesDoNotJump) {
 
 TEST(Crowd, TheRobotIsWalkedRound) {
   // Without it somebody crosses its course; with it nobody does.
-  const std::vector<PersonWalk> without = Walks(SimulateCrowd(Forty(), RoomOf(Cafeteria()), nullptr, kDuration_s, 1));
+  const std::vector<PersonWalk> without = Walks(SimulateCrowd({Forty(), nullptr, kDuration_s, 1}, RoomOf(Cafeteria())));
   double nearest = 100;
   for (double t = 0; t <= kDuration_s; t += 0.1) {
     for (const PersonWalk& walk : without) nearest = std::min(nearest, (HipsAt(walk, t) - Crossing(t)).norm());
   }
   EXPECT_LT(nearest, 0.3);
+}
+
+/// A robot that crosses the room more slowly than planned, and stops where nobody was told of.
+Vector2d Halting(double time_s) {
+  constexpr double kSpeed = 0.6;  // of the planned one: 0.3 m/s
+  double driven_s = 0;
+  for (double t = 0; t < time_s; t += 0.05) driven_s += std::fmod(t, 7) > 3 ? 0.05 : 0;
+  return Crossing(kSpeed * driven_s);
+}
+
+CrowdPlan FortyWhoExpectACrossing(uint64_t seed) { return {Forty(), Crossing, kDuration_s, seed}; }
+
+/// Where a live crowd truly went.
+std::vector<PersonWalk> WalkBeside(const RobotCourse& robot, const CrowdPlan& plan) {
+  std::vector<PersonWalk> walks = Walks(SimulateCrowd(plan, RoomOf(Cafeteria())));
+  LiveCrowd crowd(plan, RoomOf(Cafeteria()));
+  for (double t = 0; t <= kDuration_s; t += 0.004) {
+    if (crowd.Advance(t, robot(t))) crowd.Replan(walks);
+  }
+  return walks;
+}
+
+double NearestTo(const RobotCourse& robot, const std::vector<PersonWalk>& walks) {
+  double nearest = 100;
+  for (double t = 0; t <= kDuration_s; t += 0.1) {
+    for (const PersonWalk& walk : walks) nearest = std::min(nearest, (HipsAt(walk, t) - robot(t)).norm());
+  }
+  return nearest;
+}
+
+TEST(LiveCrowd, ARobotThatStopsWhereNobodyWasToldIsWalkedRound) {
+  constexpr double kTouch_m = 0.22 + 0.25;  // radii of robot and person, as a drive is scored
+  for (const uint64_t seed : {2, 3, 6}) {
+    const CrowdPlan plan = FortyWhoExpectACrossing(seed);
+    EXPECT_LT(NearestTo(Halting, Walks(SimulateCrowd(plan, RoomOf(Cafeteria())))), kTouch_m) << seed;
+    EXPECT_GT(NearestTo(Halting, WalkBeside(Halting, plan)), kTouch_m) << seed;
+  }
+}
+
+TEST(LiveCrowd, WhatWasWalkedStaysWhenTheCourseChanges) {
+  for (const PersonOptions& person : TheCrowd()) {
+    if (person.course->poses.size() == 1) continue;
+    for (const double change_s : {4.03, 11.5, 17.77}) {
+      PersonWalk walk(person);
+      const PersonWalk before(person);
+      auto course = std::make_shared<PersonCourse>(*person.course);
+      const size_t known = size_t((change_s - course->begin_s) / course->step_s);
+      for (size_t i = known + 1; i < course->poses.size(); ++i) {  // turns, and walks off at 1 m/s
+        course->poses[i] = course->poses[known] + 0.1 * double(i - known) * Eigen::Vector3d(1, 0, 0.5);
+      }
+      walk.FollowFrom(change_s, course);
+      for (double t = 0; t <= change_s; t += 0.093) {
+        const PersonPose now = walk.At(t), then = before.At(t);
+        for (size_t part = 0; part < kPersonParts; ++part) {
+          EXPECT_LT((now[part].translation - then[part].translation).norm(), 1e-9) << change_s << " " << t;
+        }
+      }
+      EXPECT_GT((HipsAt(walk, change_s + 4) - HipsAt(walk, change_s)).norm(), 1);
+    }
+  }
+}
+
+TEST(LiveCrowd, TheSameCourseAgainChangesNoStep) {
+  for (const PersonOptions& person : TheCrowd()) {
+    if (person.course->poses.size() == 1) continue;
+    PersonWalk walk(person);
+    const PersonWalk before(person);
+    for (double t = 0; t < kDuration_s; t += 0.2) walk.FollowFrom(t, person.course);
+    for (double t = 0; t < kDuration_s; t += 0.31) {
+      EXPECT_LT((HipsAt(walk, t) - HipsAt(before, t)).norm(), 1e-9) << t;
+    }
+  }
 }
 
 TEST(Crowd, ThoseWhoSitAreOnSeatsWithTheirFeetOnTheFloor) {
@@ -244,7 +316,7 @@ TEST(Crowd, ThoseWhoStandWalkOffWhenTold) {
   crowd.standing = 0.5;
   crowd.talking = 0.5;
   crowd.leave_s = {8, 12};
-  const auto people = SimulateCrowd(crowd, RoomOf(Cafeteria()), Crossing, kDuration_s, 3);
+  const auto people = SimulateCrowd({crowd, Crossing, kDuration_s, 3}, RoomOf(Cafeteria()));
   int moved = 0;
   for (const PersonOptions& person : people) {
     const PersonWalk walk(person);
@@ -264,7 +336,7 @@ std::string CrowdError(const std::string& crowd, bool simulates = true) {
       crowd + "\n";
   try {
     Scene read = ReadScene(folder.Write("crowded.yaml", scene).string(), TestData() / "models");
-    if (simulates) AddCrowd(*read.crowd, nullptr, 5, 1, read);
+    if (simulates) AddCrowd({*read.crowd, nullptr, 5, 1}, read);
   } catch (const BadInput& e) {
     return e.what();
   }
