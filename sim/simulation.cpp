@@ -155,6 +155,7 @@ void Simulation::Restart(const Eigen::Vector3d& start, uint64_t seed) {
   end_time_s_ = distance_m_ = scan_time_s_ = 0;
   joints_.clear();
   pans_.clear();
+  lifted_at_.reset();
 }
 
 void Simulation::Command(const BodyCommand& command) {
@@ -215,13 +216,24 @@ void Simulation::Control() {
   input.joints = sensors_.ReadJoints(world_);
   joints_.push_back(input.joints);
   if (options_.path.feedback == PathFeedback::kTruth) input.X_WB = world_.X_WB();
+  Carry();
   world_.SetTargets(controller_->Update(input));
   if (controller_->Scans()) scan_time_s_ += 1e-9 * double(world_.control_period_ns());
   pans_.push_back({input.stamp_ns, head_pan_.Of(input.joints.position), controller_->SweepTurn()});
   const Eigen::Vector2d position = world_.X_WB().translation.head<2>();
-  distance_m_ += (position - last_position_).norm();
+  if (!lifted_at_) distance_m_ += (position - last_position_).norm();
   last_position_ = position;
   MoveCrowd();
+}
+
+/// Off the floor, if it is lifted now.
+void Simulation::Carry() {
+  if (!options_.kidnap) return;
+  const double time_s = 1e-9 * double(world_.stamp_ns());
+  const bool carried = IsCarried(*options_.kidnap, time_s);
+  if (carried && !lifted_at_) lifted_at_ = PlanarPose(world_.X_WB());
+  if (lifted_at_) controller_->Hold(CarriedTo(*options_.kidnap, *lifted_at_, time_s));
+  if (!carried) lifted_at_.reset();
 }
 
 void Simulation::MoveCrowd() {
@@ -236,7 +248,7 @@ bool Simulation::WalkUntil(int64_t stamp_ns) {
   while (world_.stamp_ns() < stamp_ns) {
     if (world_.stamp_ns() % world_.control_period_ns() == 0) Control();
     world_.Step();
-    sensors_.Step(world_);
+    sensors_.Step(world_, !lifted_at_);
     if (world_.HasFallen()) {
       End(SimulationStatus::kFell);
       return false;

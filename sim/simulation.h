@@ -14,6 +14,7 @@
 #include "sim/camera/renderer.h"
 #include "sim/sensors/sensors.h"
 #include "sim/walking/controller.h"
+#include "sim/walking/kidnap.h"
 #include "sim/walking/leg_odometry.h"
 #include "sim/walking/omni_drive.h"
 #include "sim/walking/path.h"
@@ -31,6 +32,7 @@ struct SimulationOptions {
   HeadScanOptions scan;                  ///< How it looks all around when asked to.
   double duration_s = 0;                 ///< 0: until the path ends.
   std::optional<Eigen::Vector3d> start;  ///< x m, y m, yaw deg; the scene's own if absent.
+  std::optional<KidnapOptions> kidnap;   ///< Of a wheeled base.
   std::optional<CrowdPlan> crowd;  ///< Of the last of the scene's people, who then mind where the robot really is.
 };
 
@@ -121,6 +123,7 @@ class Simulation {
   void SkipFrame();
   void PutAtStart();
   void MoveCrowd();
+  void Carry();
   void Control();
   std::optional<ScanState> ScanAt(int64_t stamp_ns) const;
   void FillTruth(int64_t stamp_ns, FrameTruth& truth);
@@ -141,6 +144,7 @@ class Simulation {
   SensorSuite sensors_;
   std::optional<LegOdometry> legs_;
   std::optional<LiveCrowd> crowd_;
+  std::optional<PlanarPose> lifted_at_;  ///< While it is carried.
   Renderer renderer_;
   Calibration calibration_;
   MjDataPtr middle_;  ///< The mechanism at mid-exposure.

@@ -62,6 +62,8 @@ FrameEstimate HybridDrive::Track(const Observation& observation) {
     step.confirmed = fix->view >= 0;
     step.found = fix->found;
     step.X_FB = ways_.InFloor(fix->X_WC);
+    const bool goes_on = !step.confirmed && !drive_.steps.empty();
+    blind_m_ = goes_on ? blind_m_ + (step.X_FB.position - drive_.steps.back().X_FB.position).norm() : 0;
     if (fix->found) guard_.Forget();
     guard_.See(stamp_ns, step.X_FB, observation.depth->pixels);
     if (route_.empty() || fix->found) Plan(step.X_FB);
@@ -138,6 +140,7 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
     command_ = EndWalk();
     return DriveState::kArrived;
   }
+  if (blind_m_ > options_.blind_m) return DriveState::kSearching;
   const double free_m = guard_.FreeWay([&](double ahead_m) { return route_.At(along_m_ + ahead_m).position; });
   const double allowed = std::min(SpeedBefore(free_m), guard_.SpeedAmongWalkers(kBrake_mps2, frame_s_));
   const double speed = std::min({options_.speed_mps, allowed, SpeedBefore(left_m) + 0.02});

@@ -4,7 +4,8 @@
 /// (Eq. 6.5), its pose against model i + omega, and does so again until the goal. Here the same difference is taken
 /// anew at every frame and driven towards as a velocity: along the taught way, back to it from beside it, turned as it
 /// was taught. So the robot need not stop at each model. With people about, it looks at its live depth first
-/// (way_guard.h): it slows down, waits, and after `patience_s` looks for another way.
+/// (way_guard.h): it slows down, waits, and after `patience_s` looks for another way. Where it truly is may be another
+/// place altogether once it was carried off, so it trusts its wheels for `blind_m` only.
 ///
 /// The system acts, and ends the walk when it stands at its goal.
 
@@ -37,6 +38,7 @@ struct HybridDriveOptions {
   double lateral_gain = 1.0;
   double heading_gain = 1.5;
   double patience_s = 20;
+  double blind_m = 2.5;
   MetricSightOptions sight;
   MapLocalizerOptions localizer;
   WayGuardOptions guard;
@@ -50,6 +52,8 @@ void VisitFields(Visitor& visit, HybridDriveOptions& o) {
   visit("lateral_gain", o.lateral_gain, Between(0, 10), "part of what it is beside the way that it drives back in 1 s");
   visit("heading_gain", o.heading_gain, Between(0, 10), "part of what it is turned too far that it turns back in 1 s");
   visit("patience_s", o.patience_s, Between(0, 36000), "so long it waits before it looks for another way");
+  visit("blind_m", o.blind_m, Between(0.01, 1000),
+        "so far it drives by its wheels alone; then it stands until a view of the map says where it is");
   VisitFields(visit, o.sight);
   VisitFields(visit, o.localizer);
   visit("guard", o.guard, Nested(), "what keeps it off people");
@@ -88,6 +92,7 @@ class HybridDrive {
   int goal_ = -1;  ///< View.
   Route route_;
   double along_m_ = 0;
+  double blind_m_ = 0;  ///< Driven since a view confirmed where it is.
   std::optional<int64_t> waits_since_ns_;
   BodyCommand command_ = Velocity();
   TaughtDrive drive_;

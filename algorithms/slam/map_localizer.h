@@ -30,7 +30,7 @@ namespace gaitcam {
 struct MapLocalizerOptions {
   using DescribedTag = void;
   ModelLinkOptions links;
-  PassSearchOptions search;
+  PassSearchOptions search{{}, 8};
   int neighbours = 3;
   double near_m = 1.5;
   double near_deg = 45;

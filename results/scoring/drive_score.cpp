@@ -76,23 +76,31 @@ std::vector<DrivenStep> DrivenSteps(const TaughtDrive& drive, const DriveTruth& 
   for (int s = 0; s < int(drive.steps.size()); ++s) {
     const int64_t stamp_ns = drive.steps[size_t(s)].stamp_ns;
     const std::optional<Pose> pose = PoseAt(truth.driven, stamp_ns);
-    DrivenStep step{Vector2d::Constant(kNaN), kNaN, kNaN, kNaN, kNaN};
+    DrivenStep step{Vector2d::Constant(kNaN), kNaN, kNaN, kNaN, kNaN, false, kNaN};
     const int route = RouteAt(drive, s);
     if (pose) {
       step.at_m = Floor(*pose, drive.X_BC);
       step.person_m = NearestPerson(step.at_m, truth.people(stamp_ns), options);
     }
+    const DriveStep& said = drive.steps[size_t(s)];
+    if (pose && !truth.taught.empty() && said.state != DriveState::kSearching) {
+      const PlanarPose X_WF(truth.taught.front().pose * drive.X_BC.Inverse());
+      step.error_m = ((X_WF * said.X_FB).position - step.at_m).norm();
+    }
+    const int64_t before_ns = s > 0 ? drive.steps[size_t(s) - 1].stamp_ns : stamp_ns;
+    step.carried = truth.carried && truth.carried->from_ns < stamp_ns && truth.carried->until_ns > before_ns;
     if (pose && route >= 0) step.beside_m = DistanceTo(step.at_m, taught_m[size_t(route)]);
     if (s > 0) {
       step.moved_m = (step.at_m - steps.back().at_m).norm();
-      step.elapsed_s = 1e-9 * double(stamp_ns - drive.steps[size_t(s) - 1].stamp_ns);
+      step.elapsed_s = 1e-9 * double(stamp_ns - before_ns);
     }
     steps.push_back(step);
   }
   return steps;
 }
 
-bool Moved(const DrivenStep& step) { return step.moved_m > kMoving_mps * step.elapsed_s; }
+/// By itself.
+bool Moved(const DrivenStep& step) { return !step.carried && step.moved_m > kMoving_mps * step.elapsed_s; }
 
 class NearPeople {
  public:
@@ -149,10 +157,12 @@ void FollowPeople(const TaughtDrive& drive, const DriveTruth& truth, const Drive
     if (!pose) continue;
     const Vector2d robot = Floor(*pose, drive.X_BC);
     const std::vector<Vector2d> people = truth.people(t);
-    near.Look(t, robot, before ? Vector2d(robot - *before) : Vector2d(0, 0), people, [&](const Vector2d& person) {
-      const Eigen::Vector3d p_C = pose->Inverse() * Eigen::Vector3d(person.x(), person.y(), pose->translation.z());
-      return p_C.z() > 0 && std::abs(std::atan2(p_C.x(), p_C.z())) < drive.half_view_rad;
-    });
+    const bool carried = truth.carried && truth.carried->from_ns < t && truth.carried->until_ns > t - kSample_ns;
+    near.Look(
+        t, robot, before && !carried ? Vector2d(robot - *before) : Vector2d(0, 0), people, [&](const Vector2d& person) {
+          const Eigen::Vector3d p_C = pose->Inverse() * Eigen::Vector3d(person.x(), person.y(), pose->translation.z());
+          return p_C.z() > 0 && std::abs(std::atan2(p_C.x(), p_C.z())) < drive.half_view_rad;
+        });
     comparison.people_m.resize(people.size());
     for (size_t i = 0; i < people.size(); ++i) comparison.people_m[i].push_back(people[i]);
     before = robot;
@@ -199,7 +209,7 @@ double TimeIn(const DriveEvidence& e, DriveState state) {
 double MeanSpeed(const DriveEvidence& e) {
   double way_m = 0, time_s = 0;
   for (size_t s = 1; s < e.drive.steps.size(); ++s) {
-    if (e.drive.steps[s - 1].state != DriveState::kDriving) continue;
+    if (e.drive.steps[s - 1].state != DriveState::kDriving || e.comparison.steps[s].carried) continue;
     way_m += e.comparison.steps[s].moved_m;
     time_s += e.comparison.steps[s].elapsed_s;
   }
@@ -215,6 +225,32 @@ double TimeOf(const TaughtDrive& drive) {
   return drive.steps.empty() ? kNaN : 1e-9 * double(drive.steps.back().stamp_ns - drive.steps.front().stamp_ns);
 }
 
+/// NaN if it was never carried off, or never found itself again.
+double TimeToFindItselfAgain(const DriveEvidence& e) {
+  const auto& carried = e.comparison.carried;
+  for (size_t s = 0; carried && s < e.drive.steps.size(); ++s) {
+    const DriveStep& step = e.drive.steps[s];
+    if (step.stamp_ns < carried->until_ns || !step.confirmed || !(e.comparison.steps[s].error_m < e.options.found_m))
+      continue;
+    return 1e-9 * double(step.stamp_ns - carried->until_ns);
+  }
+  return kNaN;
+}
+
+/// By itself, before it knew again where it was.
+double WayWhileMistaken(const DriveEvidence& e) {
+  const auto& carried = e.comparison.carried;
+  if (!carried) return kNaN;
+  const double found_s = TimeToFindItselfAgain(e);
+  double way_m = 0;
+  for (size_t s = 0; s < e.drive.steps.size(); ++s) {
+    const double since_s = 1e-9 * double(e.drive.steps[s].stamp_ns - carried->until_ns);
+    if (since_s <= 0 || since_s > found_s) continue;
+    if (Moved(e.comparison.steps[s])) way_m += e.comparison.steps[s].moved_m;
+  }
+  return way_m;
+}
+
 /// NaN if there was nobody.
 double Clearance(const Approach& approach) { return std::isfinite(approach.clearance_m) ? approach.clearance_m : kNaN; }
 
@@ -227,6 +263,7 @@ DriveComparison CompareDrive(const TaughtDrive& drive, const DriveTruth& truth, 
     comparison.taught_m.push_back(TaughtWay(route, truth.taught, drive.X_BC));
   }
   comparison.steps = DrivenSteps(drive, truth, options, comparison.taught_m);
+  comparison.carried = truth.carried;
   FollowPeople(drive, truth, options, comparison);
   comparison.scores = Evaluate(DriveMetrics(), {drive, comparison, options});
   return comparison;
@@ -261,6 +298,13 @@ std::vector<Metric<DriveEvidence>> DriveMetrics() {
       {"drive_confirmed_ratio", "", Better::kHigher, kGroup,
        "part of the frames in which a view of the map said where it was; in the others its wheels did",
        [](const E& e) { return PartConfirmed(e.drive); }},
+      {"drive_refound_s", "s", Better::kLower, kGroup,
+       "from when it was set down by who had carried it off until a view of the map told it where it truly was, to 0.2 "
+       "m",
+       [](const E& e) { return TimeToFindItselfAgain(e); }},
+      {"drive_mistaken_m", "m", Better::kLower, kGroup,
+       "way that it drove after it was set down and before it knew where it was",
+       [](const E& e) { return WayWhileMistaken(e); }},
       {"drive_routes", "", Better::kNeither, kGroup, "ways that it planned",
        [](const E& e) { return double(e.drive.routes.size()); }},
       {"drive_clearance_m", "m", Better::kHigher, kGroup,

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "algorithms/core/fields.h"
@@ -21,6 +22,7 @@ namespace gaitcam {
 struct DriveScoreOptions {
   using DescribedTag = void;
   double goal_m = 0.2;
+  double found_m = 0.2;
   double body_radius_m = 0.22;
   double person_radius_m = 0.25;
 };
@@ -28,6 +30,7 @@ struct DriveScoreOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, DriveScoreOptions& o) {
   visit("goal_m", o.goal_m, Between(0.001, 10), "the goal is reached where the body stands so near to it");
+  visit("found_m", o.found_m, Between(0.001, 10), "it knows where it is if it errs by less");
   visit("body_radius_m", o.body_radius_m, Between(0, 10), "of the robot, seen from above");
   visit("person_radius_m", o.person_radius_m, Between(0, 2), "of a person, seen from above");
 }
@@ -35,10 +38,16 @@ void VisitFields(Visitor& visit, DriveScoreOptions& o) {
 /// Where people are, seen from above, m.
 using PeopleAt = std::function<std::vector<Eigen::Vector2d>(int64_t stamp_ns)>;
 
+/// When somebody carried the robot off.
+struct CarriedSpan {
+  int64_t from_ns = 0, until_ns = 0;
+};
+
 struct DriveTruth {
   const Trajectory& driven;  ///< X_WC on this run.
   const Trajectory& taught;  ///< X_WC on the walk that taught the map, same world; empty if it is not known.
   PeopleAt people;
+  std::optional<CarriedSpan> carried;
 };
 
 /// A step of TaughtDrive::steps, as it truly was. All NaN where there is no truth.
@@ -47,6 +56,8 @@ struct DrivenStep {
   double moved_m = 0;    ///< Since the step before.
   double elapsed_s = 0;  ///< Likewise.
   double beside_m = 0;   ///< From the taught way; NaN without a route, or where the taught way is not known.
+  double error_m = 0;    ///< Of where it believed to be; NaN where it knew nothing, or the taught way is not known.
+  bool carried = false;  ///< Since the step before, in part at least: what it moved is none of its own.
   double person_m = 0;   ///< To the nearest person, surface to surface; NaN if there is nobody.
 };
 
@@ -59,6 +70,7 @@ struct Approach {
 struct DriveComparison {
   std::vector<std::vector<Eigen::Vector2d>> taught_m;  ///< Of each route, where the body truly was when taught.
   std::vector<DrivenStep> steps;
+  std::optional<CarriedSpan> carried;
   std::vector<std::vector<Eigen::Vector2d>> people_m;  ///< Of each person, over the drive.
   Approach nearest;                                    ///< At any time.
   Approach while_towards;                              ///< While the robot moved towards the person.

@@ -128,8 +128,8 @@ void SensorSuite::CheckRates() const {
   if (options_.odometry) check("odometry.rate_hz", options_.odometry->rate_hz);
 }
 
-void SensorSuite::Step(const World& world) {
-  if (wheels_) wheels_->Step(world);
+void SensorSuite::Step(const World& world, bool on_floor) {
+  if (wheels_) wheels_->Step(world, on_floor);
   gyro_.Extend(world.stamp_ns(), ReadSensor(world, gyro_address_));
   accelerometer_.Extend(world.stamp_ns() - timestep_ns_ / 2, ReadSensor(world, accelerometer_address_));
   while (const auto force = accelerometer_.Take()) {  // the later one of the two

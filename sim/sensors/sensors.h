@@ -103,8 +103,8 @@ class SensorSuite {
   /// what somebody carries.
   SensorSuite(const World& world, const SensorOptions& options, uint64_t seed);
 
-  /// Call after each World::Step.
-  void Step(const World& world);
+  /// Call after each World::Step. @param on_floor whether wheels, if it has some, touch the floor.
+  void Step(const World& world, bool on_floor = true);
 
   /// The newest sample; before the first one, what an ideal IMU reads at rest.
   const ImuSample& imu() const { return latest_; }

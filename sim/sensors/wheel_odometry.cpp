@@ -75,9 +75,9 @@ PlanarPose WheelOdometry::Drive(const World& world) const {
   return {{q[address_[0]], q[address_[1]]}, q[address_[2]]};
 }
 
-void WheelOdometry::Step(const World& world) {
+void WheelOdometry::Step(const World& world, bool on_floor) {
   const PlanarPose now = Drive(world);
-  if (before_) wheels_.Roll(before_->Inverse() * now);
+  if (before_ && on_floor) wheels_.Roll(before_->Inverse() * now);
   before_ = now;
   if (world.stamp_ns() < std::llround(double(next_) * 1e9 / rate_hz_)) return;
   ++next_;

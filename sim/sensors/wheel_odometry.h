@@ -55,8 +55,8 @@ class WheelOdometry {
   /// @pre the robot has wheels.
   WheelOdometry(const World& world, const OdometryOptions& options, bool perfect, uint64_t seed);
 
-  /// Call after each World::Step.
-  void Step(const World& world);
+  /// Call after each World::Step. @param on_floor if not, the wheels hang in the air and do not roll.
+  void Step(const World& world, bool on_floor = true);
   /// All samples since the last call, in time order.
   std::vector<OdometrySample> Take();
 

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "algorithms/core/body_command.h"
+#include "algorithms/core/errors.h"
 #include "algorithms/core/frame_truth.h"
 #include "algorithms/core/observation.h"
+#include "algorithms/core/planar_pose.h"
 #include "algorithms/core/pose.h"
 #include "models/code/robots/gait.h"
 #include "sim/walking/head_scan.h"
@@ -44,6 +46,9 @@ class Controller {
   /// planned ahead.
   /// @pre not a Scan, which takes a plan: see below.
   virtual void Command(const BodyCommand& command) = 0;
+
+  /// Somebody holds it there; let go, it goes on from there with its command, or back to its path. @pre a wheeled base.
+  virtual void Hold(const PlanarPose& /*pose*/) { GAITCAM_ASSERT(false); }
 
   /// Asks it to stop, to look all around, and to go on. @pre not Scans().
   virtual void RequestScan(const HeadScanPlan& plan) = 0;

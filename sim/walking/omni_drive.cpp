@@ -188,8 +188,13 @@ class OmniDrive : public Controller {
     if (command == wanted_) return;
     wanted_ = command;
     planned_ = false;
-    const PlanarPose here = excursion_ ? excursion_->pose() : At(time_s_).pose;
-    if (const GoTo* to = std::get_if<GoTo>(&command)) goal_ = here * PlanarPose({to->x_m, to->y_m}, to->heading_rad);
+    if (const GoTo* to = std::get_if<GoTo>(&command)) goal_ = Here() * PlanarPose({to->x_m, to->y_m}, to->heading_rad);
+  }
+
+  void Hold(const PlanarPose& pose) override {
+    const double heading = Here().heading;  // not wrapped, and so are the servo's targets
+    excursion_.emplace(options_, PlanarPose(pose.position, heading + WrapAngle(pose.heading - heading)));
+    planned_ = false;
   }
 
   void RequestScan(const HeadScanPlan& plan) override { scan_.Begin(plan, head_pan_.Of(targets_)); }
@@ -202,6 +207,8 @@ class OmniDrive : public Controller {
   PlanarPose PlannedAt(double time_s) const { return At(time_s).pose; }
 
  private:
+  PlanarPose Here() const { return excursion_ ? excursion_->pose() : At(time_s_).pose; }
+
   std::vector<double> JointsAtRest() const {
     std::vector<double> joints(robot_.joints.size(), 0.0);
     if (robot_.neck_tilt >= 0) joints[size_t(robot_.neck_tilt)] = path_options_.head_tilt_rad;

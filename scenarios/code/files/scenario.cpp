@@ -113,6 +113,22 @@ void CheckStart(const OptionValue& root, const Scenario& scenario) {
   }
 }
 
+void CheckKidnap(const OptionValue& root, const ResolvedScenario& resolved) {
+  const std::optional<KidnapOptions>& kidnap = resolved.scenario.kidnap;
+  if (!kidnap) return;
+  const OptionValue node = root.Child("kidnap");
+  if (resolved.scenario.localisation) node.Fail("no robot walks beside `localisation`; expected no such block");
+  if (resolved.robot.kind != Robot::Kind::kOmniBase) {
+    node.Fail("robot " + resolved.robot.name + " walks; only a wheeled base can be carried off");
+  }
+  const Eigen::Array2d to = kidnap->to.head<2>(), low = resolved.scene.floor_min, high = resolved.scene.floor_max;
+  if ((to < low).any() || (to > high).any()) {
+    (node.Has("to") ? node.Child("to") : node)
+        .Fail(fmt::format("expected x from {:g} to {:g} m and y from {:g} to {:g} m, on the scene's floor, and deg",
+                          low.x(), high.x(), low.y(), high.y()));
+  }
+}
+
 /// The crowd of this seed, if there is one. Where places are recognised on a grid, no robot walks that it could mind.
 void AddCrowdOf(ResolvedScenario& resolved) {
   constexpr double kLater_s = 5;  // than planned a walk may end
@@ -237,6 +253,7 @@ ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::strin
   }
   ResolveGait(root, resolved.robot, scenario.gait);
   CheckStart(root, scenario);
+  CheckKidnap(root, resolved);
   try {
     Path(scenario.path, Pose());
   } catch (const BadOption& e) {

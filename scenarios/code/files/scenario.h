@@ -23,6 +23,7 @@
 #include "sim/camera/camera_rig.h"
 #include "sim/sensors/sensors.h"
 #include "sim/walking/head_scan.h"
+#include "sim/walking/kidnap.h"
 #include "sim/walking/omni_drive.h"
 #include "sim/walking/path.h"
 #include "sim/world/world.h"
@@ -111,6 +112,7 @@ struct Scenario {
   CameraOptions camera;
   SensorOptions sensors;
   std::optional<HeadScanOptions> scan;
+  std::optional<KidnapOptions> kidnap;
   std::optional<LocalisationOptions> localisation;
   SystemChoice system;
   std::optional<std::string> map;
@@ -142,6 +144,7 @@ void VisitFields(Visitor& visit, Scenario& o) {
   visit("camera", o.camera, Nested(), "the head camera");
   visit("sensors", o.sensors, Nested(), "IMU, encoders");
   visit("scan", o.scan, Nested(), "how the robot looks all around when its system asks for it");
+  visit("kidnap", o.kidnap, Nested(), "somebody carries the wheeled base off, and nobody tells it");
   visit("localisation", o.localisation, Nested(), "`run` recognises places on a grid instead of walking");
   visit("system", o.system, Nested(),
         "SLAM system: a name, {name: ..., setting: ...}, or somebody else's: {plugin: ...}, {process: ...}, {command: "

@@ -116,8 +116,8 @@ MapResult ResultOf(const RouteMap& map, const MapContext& context) {
 }
 
 MapResult ResultOf(const TaughtDrive& map, const MapContext& context) {
-  const auto comparison =
-      std::make_shared<const DriveComparison>(CompareDrive(map, {context.truth, context.taught, context.people}));
+  const auto comparison = std::make_shared<const DriveComparison>(
+      CompareDrive(map, {context.truth, context.taught, context.people, context.carried}));
   MapResult result;
   result.scores = comparison->scores;
   result.write = [comparison, &map](const fs::path& folder) {

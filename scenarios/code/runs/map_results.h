@@ -27,6 +27,7 @@ struct MapContext {
   const Trajectory& taught;  ///< X_WC of the walk that taught the map that the run was given; empty if unknown.
   const Scores& poses;       ///< Their SE(3) alignment moves the map into the world of the truth.
   PeopleAt people;
+  std::optional<CarriedSpan> carried;
   PlaceGraphScoreOptions places;  ///< When its loops are right.
 };
 

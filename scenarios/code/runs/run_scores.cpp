@@ -1,8 +1,10 @@
 #include "scenarios/code/runs/run_scores.h"
 
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
+#include "algorithms/core/clock.h"
 #include "algorithms/core/errors.h"
 #include "algorithms/io/trajectory_file.h"
 
@@ -36,6 +38,12 @@ Scores ScorePoses(const Estimate& estimate, const Trajectory& truth, const std::
   }
 }
 
+std::optional<CarriedSpan> CarriedIn(const Scenario& scenario) {
+  if (!scenario.kidnap) return std::nullopt;
+  const auto stamp_ns = [](double time_s) { return kClockStart_ns + std::llround(1e9 * time_s); };
+  return CarriedSpan{stamp_ns(scenario.kidnap->at_s), stamp_ns(scenario.kidnap->at_s + scenario.kidnap->over_s)};
+}
+
 }  // namespace
 
 RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std::vector<int64_t>& frame_stamps,
@@ -45,7 +53,7 @@ RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std:
   try {
     Scores scores = ScorePoses(estimate, truth, frame_stamps, options);
     const Trajectory taught = TaughtTruth(resolved);
-    run.maps = ResultsOf(estimate.maps, {resolved.scene, truth, taught, scores, people,
+    run.maps = ResultsOf(estimate.maps, {resolved.scene, truth, taught, scores, people, CarriedIn(resolved.scenario),
                                          options.places.value_or(PlaceGraphScoreOptions())});
     for (const MapResult& map : run.maps) {
       scores.scores.insert(scores.scores.end(), map.scores.begin(), map.scores.end());

@@ -160,6 +160,7 @@ SimulationOptions SimulationOptionsOf(const ResolvedScenario& resolved) {
   options.scan = scenario.scan.value_or(HeadScanOptions());
   options.duration_s = scenario.duration_s;
   options.start = resolved.start;
+  options.kidnap = scenario.kidnap;
   if (ActsOnBody(scenario)) options.crowd = resolved.crowd;
   return options;
 }

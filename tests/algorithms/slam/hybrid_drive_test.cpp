@@ -108,6 +108,21 @@ TEST(HybridDrive, FindsItselfAgainWhereItWasCarriedTo) {
   EXPECT_LT((drive.TrueInF(int(drive.path.size()) - 1) - Eigen::Vector2d(1.4, 0)).norm(), 0.1 + kRoomTolerance_m);
 }
 
+TEST(HybridDrive, TrustsItsWheelsForSoFarOnly) {
+  HybridDriveOptions options = ToGoal(1.4);
+  options.blind_m = 0.35;
+  const auto dark = [](int frame, const PlanarPose&, Observation& observation) {
+    if (frame >= 3) observation.image.pixels.setTo(0);
+  };
+  const Drive drive(options, kTaughtStart, 30, {}, dark);
+  EXPECT_FALSE(drive.ended);
+  EXPECT_EQ(drive.said.steps.back().state, DriveState::kSearching);
+  const double blind_m = (drive.path.back().position - drive.path[2].position).norm();
+  EXPECT_GT(blind_m, 0.35);
+  EXPECT_LT(blind_m, 0.35 + 2 * 0.3 * 0.25);  // a frame or two more
+  EXPECT_EQ(drive.path.back().position, drive.path[28].position);
+}
+
 TEST(HybridDrive, StandsAsLongAsItDoesNotKnowWhereItIs) {
   const auto dark = [](int, const PlanarPose&, Observation& observation) { observation.image.pixels.setTo(0); };
   const Drive drive(ToGoal(1.2), kTaughtStart, 5, {}, dark);

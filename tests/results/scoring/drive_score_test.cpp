@@ -118,6 +118,38 @@ TEST(DriveScore, EachPersonThatTheRobotDrivesIntoIsTouchedOnce) {
   EXPECT_EQ(comparison.people_m.size(), 4u);
 }
 
+TEST(DriveScore, WhoWasCarriedOffIsFoundOnceAViewTellsWhereItTrulyIs) {
+  // Driven for 8 s, carried back by 2 m within 2 s, driven on; for 5 s more it believes that it never was carried.
+  const auto at = [](double t) { return Vector2d(0.3 * t - 1.3 * std::clamp(t - 8, 0.0, 2.0), 0.01); };
+  const Trajectory driven = DrivenPath(at, 20);
+  TaughtDrive drive = Said(driven, 0, 12);
+  for (DriveStep& step : drive.steps) {
+    const double t = 1e-9 * double(step.stamp_ns);
+    const bool mistaken = t > 8 && t < 15;
+    step.confirmed = !mistaken || t > 13;  // what a view confirms may be wrong
+    step.X_FB = {mistaken ? Vector2d(0.3 * t, 0) : at(t), 0};
+  }
+  DriveTruth truth{driven, TaughtAlongX(), Nobody, CarriedSpan{int64_t(8e9), int64_t(10e9)}};
+  const DriveComparison comparison = CompareDrive(drive, truth);
+  EXPECT_NEAR(ScoreOf(comparison, "refound_s"), 5, 1e-9);
+  EXPECT_NEAR(ScoreOf(comparison, "mistaken_m"), 5 * 0.3, 1e-9);
+  EXPECT_NEAR(ScoreOf(comparison, "speed_mps"), 0.3, 1e-9) << "nor is the way in the air driven";
+  drive.steps.resize(56);  // until 14 s
+  EXPECT_TRUE(std::isnan(ScoreOf(CompareDrive(drive, truth), "refound_s")));
+  truth.carried.reset();
+  EXPECT_TRUE(std::isnan(ScoreOf(CompareDrive(drive, truth), "mistaken_m")));
+}
+
+TEST(DriveScore, WhoeverIsCarriedOverSomebodyDoesNotDriveIntoHim) {
+  const Trajectory driven = DrivenPath([](double t) { return Vector2d(0.3 * t, 0); }, 20);
+  const auto stands = [](int64_t) { return std::vector<Vector2d>{{3, 0}}; };
+  const DriveTruth truth{driven, TaughtAlongX(), stands, CarriedSpan{int64_t(8e9), int64_t(12e9)}};
+  const DriveComparison comparison = CompareDrive(Said(driven, 0, 12), truth);
+  EXPECT_EQ(ScoreOf(comparison, "touches"), 0);
+  EXPECT_NEAR(ScoreOf(comparison, "clearance_m"), 3 - 0.3 * 8 - 0.47, 0.02);
+  EXPECT_NEAR(ScoreOf(comparison, "nearest_person_m"), -0.47, 0.02);
+}
+
 TEST(DriveScore, WhoComesFasterThanTheRobotComesByHisOwnMotion) {
   const Trajectory driven = DrivenPath([](double t) { return Vector2d(0.3 * t, 0); }, 10);
   const auto overtakes = [](double mps) {

@@ -110,6 +110,10 @@ TEST_F(BadInputTest, NumbersThatNoWalkHasAreRefusedBeforeIt) {
   ExpectRefusal(polyline + "1e6, 0]]}\n", "m long; expected at most 10000 m", "", "validate");
   ExpectRefusal("start: [1e308, 0, 0]\n", "start[0]: 1e308 is not permitted", "", "validate");
   ExpectRefusal("start: [1e6, 0, 0]\n", "s.yaml:1:8: start: this is far from every scene", "", "validate");
+  ExpectRefusal("kidnap: {to: [0, 0, 0]}\n", "s.yaml:1:9: kidnap: robot khr1hv walks; only a wheeled base", "",
+                "validate");
+  ExpectRefusal("robot: omni_base\nkidnap: {to: [0, 90, 0]}\n", "s.yaml:2:14: kidnap.to: expected x from", "",
+                "validate");
   ExpectRefusal("people: [{path: [[0, 0], [1e300, 0]]}]\n", "1e300 is not permitted", "", "validate");
 }
 

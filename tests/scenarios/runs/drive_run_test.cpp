@@ -82,6 +82,19 @@ TEST_F(DriveRunTest, StopsForAPersonWhoComesAndStandsInItsWay) {
   EXPECT_GT(ScoreOf("blocked", "drive_clearance_m"), 0.3);
 }
 
+TEST_F(DriveRunTest, FindsItselfAgainWhenItWasCarriedOff) {
+  ASSERT_EQ(learned_.exit_code, 0) << learned_.err;
+  std::ofstream(File("kidnapped.yaml")) << ReadText(File("drive.yaml"))
+                                        << "kidnap: {at_s: 3, to: [-1.1, -2.2, 5], over_s: 1.5}\n";
+  const ProgramResult drive = Run("run kidnapped.yaml --out kidnapped --set duration_s=20");
+  ASSERT_EQ(drive.exit_code, 0) << drive.err;
+  EXPECT_EQ(ScoreOf("kidnapped", "drive_goal_reached"), 1);
+  // The whole map is searched after twelve frames at 5 Hz that nothing confirmed: some of them pass in the air.
+  EXPECT_LT(ScoreOf("kidnapped", "drive_refound_s"), 12.0 / 5 + 1);
+  EXPECT_LT(ScoreOf("kidnapped", "drive_mistaken_m"), 0.3 * (12.0 / 5 + 1));
+  EXPECT_LT(ScoreOf("kidnapped", "drive_goal_error_m"), 0.08);
+}
+
 TEST_F(DriveRunTest, ARobotInTheDarkStandsAndTheScoresSaySo) {
   ASSERT_EQ(learned_.exit_code, 0) << learned_.err;
   const ProgramResult drive = Run("run drive.yaml --out dark --set duration_s=2 --set camera.exposure_ms=0.01");
