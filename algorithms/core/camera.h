@@ -86,6 +86,8 @@ struct OdometryCalibration {
   double position_per_sqrt_m = 0;   ///< Standard deviation of the position after 1 m, each of x and y; m.
   double heading_per_sqrt_m = 0;    ///< Of the heading after 1 m; rad.
   double heading_per_sqrt_rad = 0;  ///< Of the heading after a turn of 1 rad; rad.
+  double rocking_m = 0.003;         ///< Of the height of the body, and of the camera on it, about that of X_BC; m.
+  double rocking_rad = 0.005;       ///< Likewise of its tilt, about either level axis; rad.
 };
 
 /// What a SLAM system is told about the sensors: everything that a calibration would yield, and nothing more.

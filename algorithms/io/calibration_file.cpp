@@ -342,10 +342,13 @@ DepthCalibration ReadDepth(const YamlMap& map) {
   return {SigmaOf(map, "sigma_m"), SigmaOf(map, "sigma_per_m")};
 }
 
-const std::vector<std::string> kOdometrySigmas = {"position_per_sqrt_m", "heading_per_sqrt_m", "heading_per_sqrt_rad"};
+const std::vector<std::string> kOdometrySigmas = {"position_per_sqrt_m", "heading_per_sqrt_m", "heading_per_sqrt_rad",
+                                                  "rocking_m", "rocking_rad"};
+constexpr size_t kNeededSigmas = 3;  // older files have no others
 
 std::vector<double*> OdometrySigmas(OdometryCalibration& odometry) {
-  return {&odometry.position_per_sqrt_m, &odometry.heading_per_sqrt_m, &odometry.heading_per_sqrt_rad};
+  return {&odometry.position_per_sqrt_m, &odometry.heading_per_sqrt_m, &odometry.heading_per_sqrt_rad,
+          &odometry.rocking_m, &odometry.rocking_rad};
 }
 
 OdometryCalibration ReadOdometry(const YamlMap& map) {
@@ -357,13 +360,17 @@ OdometryCalibration ReadOdometry(const YamlMap& map) {
   if (!(odometry.rate_hz > 0)) map.Fail("rate_hz", "expected a rate above 0 Hz");
   odometry.X_BC = ReadPose(map.Map("X_BC"));
   const std::vector<double*> members = OdometrySigmas(odometry);
-  for (size_t i = 0; i < members.size(); ++i) *members[i] = SigmaOf(map, kOdometrySigmas[i].c_str());
+  for (size_t i = 0; i < members.size(); ++i) {
+    const char* key = kOdometrySigmas[i].c_str();
+    if (i < kNeededSigmas || map.Has(key)) *members[i] = SigmaOf(map, key);
+  }
   return odometry;
 }
 
 std::string OdometryText(OdometryCalibration odometry) {
   std::string text =
-      "odometry:  # of the body B, on the floor below its trunk; standard deviations after 1 m, or 1 rad; m, rad\n";
+      "odometry:  # of the body B, on the floor below its trunk; standard deviations after 1 m, or 1 rad; of\n"
+      "           # its height and tilt at any time (rocking); m, rad\n";
   text += "  rate_hz: " + ExactText(odometry.rate_hz) + "\n" + PoseText("  ", "X_BC", odometry.X_BC);
   const std::vector<double*> members = OdometrySigmas(odometry);
   for (size_t i = 0; i < members.size(); ++i) text += "  " + kOdometrySigmas[i] + ": " + ExactText(*members[i]) + "\n";

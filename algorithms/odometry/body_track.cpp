@@ -7,8 +7,6 @@
 namespace gaitcam {
 namespace {
 
-/// A base rocks on its wheels: what its odometry does not see.
-constexpr double kRockingHeight_m = 0.003, kRockingTilt_rad = 0.005;
 /// What is known no better than this, so that a covariance has an inverse.
 constexpr double kNeverBelow_m = 1e-3, kNeverBelow_rad = 1e-4;
 
@@ -22,11 +20,11 @@ Eigen::Matrix3d Grown(const PlanarPose& step, const OdometryCalibration& c) {
 }
 
 /// Of the body's motion in space, given its part in the floor (x, y, yaw).
-Matrix6d InSpace(const Eigen::Matrix3d& planar) {
+Matrix6d InSpace(const Eigen::Matrix3d& planar, const OdometryCalibration& c) {
   constexpr std::array kRows = {0, 1, 5};
   Matrix6d covariance = Matrix6d::Zero();
-  covariance.diagonal() << 0, 0, kRockingHeight_m * kRockingHeight_m, kRockingTilt_rad * kRockingTilt_rad,
-      kRockingTilt_rad * kRockingTilt_rad, 0;
+  const double height2 = c.rocking_m * c.rocking_m, tilt2 = c.rocking_rad * c.rocking_rad;
+  covariance.diagonal() << 0, 0, height2, tilt2, tilt2, 0;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column)
       covariance(kRows[size_t(row)], kRows[size_t(column)]) = planar(row, column);
@@ -80,7 +78,7 @@ std::optional<RelativePose> BodyTrack::Between(int64_t from_ns, int64_t to_ns) c
   grow(*to);
   const Pose& X_BC = calibration_.X_BC;
   const Pose X_FT = X_BC.Inverse() * (from->Inverse() * *to).Lifted() * X_BC;
-  return RelativePose{from_ns, to_ns, X_FT, CarryCovariance(InSpace(covariance), X_BC)};
+  return RelativePose{from_ns, to_ns, X_FT, CarryCovariance(InSpace(covariance, calibration_), X_BC)};
 }
 
 }  // namespace gaitcam

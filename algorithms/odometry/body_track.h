@@ -23,8 +23,9 @@ class BodyTrack {
   /// Forgets what lies before an instant, but for the sample that it needs itself.
   void Forget(int64_t before_ns);
 
-  /// Of the camera, the body's height and tilt taken as steady. Between samples the body moves evenly, and a little
-  /// beyond the last one as it did before. @returns nothing if the samples do not reach both instants.
+  /// Of the camera, the body's height and tilt taken as those of X_BC but for its rocking. Between samples the body
+  /// moves evenly, and a little beyond the last one as it did before. @returns nothing if the samples do not reach both
+  /// instants.
   std::optional<RelativePose> Between(int64_t from_ns, int64_t to_ns) const;
 
  private:

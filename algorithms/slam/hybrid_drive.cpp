@@ -65,7 +65,7 @@ FrameEstimate HybridDrive::Track(const Observation& observation) {
     const bool goes_on = !step.confirmed && !drive_.steps.empty();
     blind_m_ = goes_on ? blind_m_ + (step.X_FB.position - drive_.steps.back().X_FB.position).norm() : 0;
     if (fix->found) guard_.Forget();
-    guard_.See(stamp_ns, step.X_FB, observation.depth->pixels);
+    guard_.See(stamp_ns, ways_.CameraInFloor(fix->X_WC), observation.depth->pixels);
     if (route_.empty() || fix->found) Plan(step.X_FB);
   }
   command_ = Velocity();

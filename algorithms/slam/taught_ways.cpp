@@ -46,7 +46,7 @@ void TaughtWays::AddStep(int from, int to, double cost_m) {
   steps_[size_t(from)].push_back({to, cost_m + (At(from).position - At(to).position).norm()});
 }
 
-PlanarPose TaughtWays::InFloor(const Pose& X_WC) const { return PlanarPose(X_BC_ * X_WC * X_BC_.Inverse()); }
+PlanarPose TaughtWays::InFloor(const Pose& X_WC) const { return PlanarPose(CameraInFloor(X_WC) * X_BC_.Inverse()); }
 
 int TaughtWays::Nearest(const Eigen::Vector2d& point_m, double within_m) const {
   int best = -1;

@@ -24,7 +24,8 @@ class TaughtWays {
   /// Where the body stood at a view, in the taught floor frame F (taught_drive.h).
   const PlanarPose& At(int view) const { return X_FB_[size_t(view)]; }
   int size() const { return int(X_FB_.size()); }
-  /// The body's pose in F, of a camera's in the map's world.
+  /// Of a camera's pose in the map's world, the same in F, and the body's.
+  Pose CameraInFloor(const Pose& X_WC) const { return X_BC_ * X_WC; }
   PlanarPose InFloor(const Pose& X_WC) const;
 
   /// The view where the body stood nearest to a point; -1 if all are farther away than `within_m`.

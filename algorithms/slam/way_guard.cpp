@@ -25,9 +25,8 @@ WayGuard::WayGuard(const Calibration& calibration, const WayGuardOptions& option
   CheckFields(options, "guard.");
 }
 
-std::vector<WayGuard::Point> WayGuard::PointsOf(int64_t stamp_ns, const PlanarPose& X_FB, const cv::Mat& depth) const {
+std::vector<WayGuard::Point> WayGuard::PointsOf(int64_t stamp_ns, const Pose& X_FC, const cv::Mat& depth) const {
   std::vector<Point> points;
-  const Pose X_FC = X_FB.Lifted() * calibration_.odometry.X_BC;
   for (int row = kEvery_px / 2; row < depth.rows; row += kEvery_px) {
     for (int column = kEvery_px / 2; column < depth.cols; column += kEvery_px) {
       const double z = double(depth.at<float>(row, column));
@@ -54,17 +53,18 @@ void WayGuard::Forget() {
   moving_.clear();
 }
 
-void WayGuard::See(int64_t stamp_ns, const PlanarPose& X_FB, const cv::Mat& depth) {
+void WayGuard::See(int64_t stamp_ns, const Pose& X_FC, const cv::Mat& depth) {
   constexpr size_t kBefore = 2;
-  const View view{depth.clone(), (X_FB.Lifted() * calibration_.odometry.X_BC).Inverse()};
+  const View view{depth.clone(), X_FC.Inverse()};
+  const Eigen::Vector2d body_F = (X_FC * calibration_.odometry.X_BC.Inverse()).translation.head<2>();
   const auto age_s = [&](int64_t then_ns) { return 1e-9 * double(stamp_ns - then_ns); };
   std::erase_if(points_, [&](const Point& point) {
-    return age_s(point.stamp_ns) > options_.memory_s || (point.p_F.head<2>() - X_FB.position).norm() > kRemembered_m ||
+    return age_s(point.stamp_ns) > options_.memory_s || (point.p_F.head<2>() - body_F).norm() > kRemembered_m ||
            DepthTowards(point.p_F, view) > 0.0;
   });
-  const std::vector<Point> now = PointsOf(stamp_ns, X_FB, depth);
+  const std::vector<Point> now = PointsOf(stamp_ns, X_FC, depth);
   std::erase_if(moving_, [&](const auto& seen) { return age_s(seen.first) > kStillThere_s; });
-  if (!before_.empty()) moving_.emplace_back(stamp_ns, NearestMoving(now, X_FB));
+  if (!before_.empty()) moving_.emplace_back(stamp_ns, NearestMoving(now, body_F));
   points_.insert(points_.end(), now.begin(), now.end());
   before_.push_back(view);
   if (before_.size() > kBefore) before_.erase(before_.begin());
@@ -80,10 +80,10 @@ bool WayGuard::HasMoved(const Eigen::Vector3d& p_F) const {
 }
 
 /// From the body's surface to where fewer than min_points that have moved are nearer.
-double WayGuard::NearestMoving(const std::vector<Point>& points, const PlanarPose& X_FB) const {
+double WayGuard::NearestMoving(const std::vector<Point>& points, const Eigen::Vector2d& body_F) const {
   std::vector<double> away_m;
   for (const Point& point : points) {
-    if (HasMoved(point.p_F)) away_m.push_back((point.p_F.head<2>() - X_FB.position).norm() - options_.body_radius_m);
+    if (HasMoved(point.p_F)) away_m.push_back((point.p_F.head<2>() - body_F).norm() - options_.body_radius_m);
   }
   const size_t enough = size_t(options_.min_points);
   if (away_m.size() < enough) return std::numeric_limits<double>::infinity();

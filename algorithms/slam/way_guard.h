@@ -48,8 +48,8 @@ class WayGuard {
   /// @throws BadInput if the calibration does not know how the camera stands on the body; BadOption.
   WayGuard(const Calibration& calibration, const WayGuardOptions& options);
 
-  /// The next frame. @param depth CV_32FC1, m. @param X_FB where the body is on the floor.
-  void See(int64_t stamp_ns, const PlanarPose& X_FB, const cv::Mat& depth);
+  /// The next frame. @param depth CV_32FC1, m. @param X_FC where the camera is; it may be tilted beside X_BC.
+  void See(int64_t stamp_ns, const Pose& X_FC, const cv::Mat& depth);
   /// Of no use any more, where the floor frame was another one than was thought.
   void Forget();
 
@@ -72,12 +72,12 @@ class WayGuard {
     int64_t stamp_ns;
   };
   /// Points over the floor that this frame shows.
-  std::vector<Point> PointsOf(int64_t stamp_ns, const PlanarPose& X_FB, const cv::Mat& depth) const;
+  std::vector<Point> PointsOf(int64_t stamp_ns, const Pose& X_FC, const cv::Mat& depth) const;
   /// What a view measured in the direction of a point, m along the optical axis: 0 nothing; nothing at all where the
   /// point is not in view.
   std::optional<double> DepthTowards(const Eigen::Vector3d& p_F, const View& view) const;
   bool HasMoved(const Eigen::Vector3d& p_F) const;
-  double NearestMoving(const std::vector<Point>& points, const PlanarPose& X_FB) const;
+  double NearestMoving(const std::vector<Point>& points, const Eigen::Vector2d& body_F) const;
 
   Calibration calibration_;
   WayGuardOptions options_;

@@ -63,6 +63,8 @@ OdometryCalibration LegDataSheet(double rate_hz) {
   sheet.position_per_sqrt_m = 0.03 * std::sqrt(10.0);
   sheet.heading_per_sqrt_m = 0.006;
   sheet.heading_per_sqrt_rad = 0.005;
+  sheet.rocking_m = 0.002;
+  sheet.rocking_rad = 0.04;
   return sheet;
 }
 

@@ -30,7 +30,8 @@ class Log {
   void AtTick(const World& world, const GaitState& gait) {
     const Pose X_WB = world.X_WB();
     result_.max_tilt_rad = std::max(result_.max_tilt_rad, std::acos(std::clamp(X_WB.R()(2, 2), -1.0, 1.0)));
-    if (gait.step >= 6) AddHeadRate(world);
+    if (!standing_) standing_ = HeadOf(world);
+    if (gait.step >= 6) AddHead(world);
     if (gait.step == last_step_) return;
     last_step_ = gait.step;
     const Eigen::Vector2d here = X_WB.translation.head<2>();
@@ -50,17 +51,29 @@ class Log {
   }
 
   void Finish() {
-    if (rate_count_ > 0) result_.head_rate_rms = (rate_square_ / rate_count_).cwiseSqrt();
+    if (count_ == 0) return;
+    result_.head_rate_rms = (rate_square_ / count_).cwiseSqrt();
+    const Eigen::Vector3d rms = (stand_square_ / count_).cwiseSqrt();
+    result_.head_tilt_rms = rms.head<2>();
+    result_.head_height_rms_m = rms.z();
   }
 
  private:
-  void AddHeadRate(const World& world) {
+  /// Roll and pitch, small, and height.
+  static Eigen::Vector3d HeadOf(const World& world) {
+    const double *up = world.data()->cam_xmat + 6, *at = world.data()->cam_xpos;  // of the camera x right, y up, z back
+    return {up[0], up[2], at[2]};
+  }
+
+  void AddHead(const World& world) {
+    const Eigen::Vector3d moved = HeadOf(world) - *standing_;
+    stand_square_ += moved.cwiseProduct(moved);
+    ++count_;
     double velocity[6];
     mj_objectVelocity(world.model(), world.data(), mjOBJ_CAMERA, 0, velocity, 1);
     // Camera x right, y up, z back: pitch is about x, yaw about y, roll about -z.
     const Eigen::Vector3d rate(-velocity[2], -velocity[0], velocity[1]);
     rate_square_ += rate.cwiseProduct(rate);
-    ++rate_count_;
   }
 
   const Path& path_;
@@ -68,8 +81,9 @@ class Log {
   int last_step_ = -1;
   Eigen::Vector2d last_ = Eigen::Vector2d::Zero();
   double begin_s_ = 0, end_s_ = 0;
-  Eigen::Vector3d rate_square_ = Eigen::Vector3d::Zero();
-  int rate_count_ = 0;
+  std::optional<Eigen::Vector3d> standing_;
+  Eigen::Vector3d rate_square_ = Eigen::Vector3d::Zero(), stand_square_ = Eigen::Vector3d::Zero();
+  int count_ = 0;
 };
 
 }  // namespace

@@ -32,6 +32,8 @@ struct WalkTrialResult {
   PlanarPose start, end;                                    ///< True root at first and at the end.
   std::vector<OdometrySample> odometry;                     ///< Of the legs, if the sensors have it.
   Eigen::Vector3d head_rate_rms = Eigen::Vector3d::Zero();  ///< Of the camera: roll, pitch, yaw, rad/s, while walking.
+  Eigen::Vector2d head_tilt_rms = Eigen::Vector2d::Zero();  ///< Of the camera, about how it stood: roll, pitch; rad.
+  double head_height_rms_m = 0;                             ///< Likewise of its height.
   std::vector<double> last_qpos;                            ///< To compare two runs to the bit.
   double wall_s = 0, control_wall_s = 0;
 };

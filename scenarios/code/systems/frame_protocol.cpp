@@ -69,7 +69,9 @@ Json JsonOf(const Calibration& c) {
                         {"X_BC", JsonOf(b.X_BC)},
                         {"position_per_sqrt_m", b.position_per_sqrt_m},
                         {"heading_per_sqrt_m", b.heading_per_sqrt_m},
-                        {"heading_per_sqrt_rad", b.heading_per_sqrt_rad}};
+                        {"heading_per_sqrt_rad", b.heading_per_sqrt_rad},
+                        {"rocking_m", b.rocking_m},
+                        {"rocking_rad", b.rocking_rad}};
   }
   if (c.standing) {
     json["standing"] = {{"height_m", c.standing->height_m},
@@ -145,8 +147,13 @@ Calibration CalibrationOf(const Json& json) {
   c.imu.X_CI = PoseOf(imu.at("X_CI"), "X_CI");
   if (json.contains("odometry")) {
     const Json& body = json.at("odometry");
-    c.odometry = {body.at("rate_hz"), PoseOf(body.at("X_BC"), "X_BC"), body.at("position_per_sqrt_m"),
-                  body.at("heading_per_sqrt_m"), body.at("heading_per_sqrt_rad")};
+    c.odometry = {body.at("rate_hz"),
+                  PoseOf(body.at("X_BC"), "X_BC"),
+                  body.at("position_per_sqrt_m"),
+                  body.at("heading_per_sqrt_m"),
+                  body.at("heading_per_sqrt_rad"),
+                  body.at("rocking_m"),
+                  body.at("rocking_rad")};
   }
   if (json.contains("standing")) {
     const Json& standing = json.at("standing");

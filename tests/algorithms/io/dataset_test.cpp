@@ -132,6 +132,8 @@ void ExpectSame(const Calibration& a, const Calibration& b) {
   EXPECT_EQ(a.odometry.position_per_sqrt_m, b.odometry.position_per_sqrt_m);
   EXPECT_EQ(a.odometry.heading_per_sqrt_m, b.odometry.heading_per_sqrt_m);
   EXPECT_EQ(a.odometry.heading_per_sqrt_rad, b.odometry.heading_per_sqrt_rad);
+  EXPECT_EQ(a.odometry.rocking_m, b.odometry.rocking_m);
+  EXPECT_EQ(a.odometry.rocking_rad, b.odometry.rocking_rad);
 }
 
 void ExpectSame(const Observation& a, const Observation& b) {

@@ -18,6 +18,9 @@ Calibration Ahead() {
   return calibration;
 }
 
+/// Of that camera where the body is there.
+Pose From(const PlanarPose& X_FB) { return X_FB.Lifted() * Ahead().odometry.X_BC; }
+
 /// A wall across the whole view at this distance; 0: nothing was measured.
 cv::Mat Wall(double z_m) { return cv::Mat(kCamera.height_px, kCamera.width_px, CV_32FC1, cv::Scalar(z_m)); }
 
@@ -29,7 +32,7 @@ double FreeAhead(const WayGuard& guard) {
 TEST(WayGuard, StopsShortOfAWallByItsClearance) {
   for (const double wall_m : {0.8, 1.2, 2.0}) {
     WayGuard guard(Ahead(), {});
-    guard.See(0, {}, Wall(wall_m));
+    guard.See(0, From({}), Wall(wall_m));
     // 0.22 m of body and 0.3 m of clearance; looked at every 0.1 m, and one step is kept in hand.
     EXPECT_LE(FreeAhead(guard), wall_m - 0.52);
     EXPECT_GT(FreeAhead(guard), wall_m - 0.52 - 0.25);
@@ -40,7 +43,7 @@ TEST(WayGuard, WhatIsBesideTheWayIsNotInIt) {
   WayGuard guard(Ahead(), {});
   cv::Mat depth = Wall(5);
   depth.colRange(0, kCamera.width_px / 8).setTo(1.5);  // at 1.5 m, 0.65 m or more to the left
-  guard.See(0, {}, depth);
+  guard.See(0, From({}), depth);
   EXPECT_EQ(FreeAhead(guard), WayGuardOptions().look_m);
   EXPECT_LT(guard.FreeWay([](double along_m) { return Vector2d(along_m, 0.5 * along_m); }), 1.5);
 }
@@ -51,19 +54,38 @@ TEST(WayGuard, TheFloorAndAFewStrayPointsAreNothing) {
   for (int row = kCamera.height_px / 2 + 1; row < depth.rows; ++row)
     depth.row(row).setTo(std::min(5.0, 0.5 * kCamera.fy / (row - kCamera.cy)));
   depth(cv::Rect(kCamera.width_px / 2, 60, 16, 16)).setTo(0.8);  // four of the pixels that are looked at
-  guard.See(0, {}, depth);
+  guard.See(0, From({}), depth);
   EXPECT_EQ(FreeAhead(guard), WayGuardOptions().look_m);
+}
+
+TEST(WayGuard, ATiltedHeadTakesTheFloorForNothing) {
+  // It nods by 10 degrees over a bare floor: taken as level, the floor 1.5 m ahead would stand 0.26 m high.
+  WayGuard guard(Ahead(), {});
+  const Pose X_FC = LookingForward({0, 0, 0.5}, 0, 0, 0) * Pose(RotX(-10 * kRadPerDeg), {0, 0, 0});
+  cv::Mat depth = Wall(0);
+  for (int row = 0; row < depth.rows; ++row) {
+    for (int column = 0; column < depth.cols; ++column) {
+      const double down = (X_FC.R() * kCamera.Unproject({double(column), double(row)})).z();
+      const double z = down < 0 ? -0.5 / down : 0;
+      if (z < 5) depth.at<float>(row, column) = float(z);
+    }
+  }
+  guard.See(0, X_FC, depth);
+  EXPECT_EQ(FreeAhead(guard), WayGuardOptions().look_m);
+  WayGuard mistaken(Ahead(), {});
+  mistaken.See(0, From({}), depth);
+  EXPECT_LT(FreeAhead(mistaken), WayGuardOptions().look_m);
 }
 
 TEST(WayGuard, BelievesInWhatItNoLongerSeesForAWhile) {
   WayGuard guard(Ahead(), {});
-  guard.See(0, {}, Wall(0.7));
-  guard.See(kSecond_ns, {}, Wall(0));  // too near to be measured
+  guard.See(0, From({}), Wall(0.7));
+  guard.See(kSecond_ns, From({}), Wall(0));  // too near to be measured
   EXPECT_LT(FreeAhead(guard), 0.2);
   WayGuard later = guard;
-  later.See(7 * kSecond_ns, {}, Wall(0));
+  later.See(7 * kSecond_ns, From({}), Wall(0));
   EXPECT_EQ(FreeAhead(later), WayGuardOptions().look_m);
-  guard.See(2 * kSecond_ns, {}, Wall(4));  // somebody went away: the wall behind him is seen
+  guard.See(2 * kSecond_ns, From({}), Wall(4));  // somebody went away: the wall behind him is seen
   EXPECT_EQ(FreeAhead(guard), WayGuardOptions().look_m);
 }
 
@@ -71,10 +93,10 @@ TEST(WayGuard, WhoHasMovedIsGivenTheRoomToComeOn) {
   constexpr double kBrake_mps2 = 0.25, kReaction_s = 0.25;
   const auto speed = [&](double person_m) {
     WayGuard guard(Ahead(), {});
-    guard.See(0, {}, Wall(4));
+    guard.See(0, From({}), Wall(4));
     cv::Mat depth = Wall(4);
     depth.colRange(100, 140).setTo(person_m);
-    guard.See(kSecond_ns / 4, {}, depth);
+    guard.See(kSecond_ns / 4, From({}), depth);
     return guard.SpeedAmongWalkers(kBrake_mps2, kReaction_s);
   };
   double slower = 0;
@@ -95,20 +117,20 @@ TEST(WayGuard, WhatStandsDoesNotMoveBecauseTheRobotDoes) {
   WayGuard guard(Ahead(), {});
   cv::Mat depth = Wall(4);
   depth.colRange(100, 140).setTo(2.0);
-  guard.See(0, {}, depth);
+  guard.See(0, From({}), depth);
   depth = Wall(3.9);
   depth.colRange(99, 141).setTo(1.9);
-  guard.See(kSecond_ns / 4, {{0.1, 0}, 0}, depth);
+  guard.See(kSecond_ns / 4, From({{0.1, 0}, 0}), depth);
   EXPECT_GT(guard.SpeedAmongWalkers(0.25, 0.25), 100);
 }
 
 TEST(WayGuard, KnowsWhatStandsWhereItDoesNotLook) {
   WayGuard guard(Ahead(), {});
-  guard.See(0, {}, Wall(1));
-  guard.See(kSecond_ns, {{0, 0}, 3.1}, Wall(4));  // turned about: the wall is behind it now
+  guard.See(0, From({}), Wall(1));
+  guard.See(kSecond_ns, From({{0, 0}, 3.1}), Wall(4));  // turned about: the wall is behind it now
   EXPECT_LT(FreeAhead(guard), 0.5);
   guard.Forget();
-  guard.See(kSecond_ns, {{0, 0}, 3.1}, Wall(4));
+  guard.See(kSecond_ns, From({{0, 0}, 3.1}), Wall(4));
   EXPECT_EQ(FreeAhead(guard), WayGuardOptions().look_m);
 }
 

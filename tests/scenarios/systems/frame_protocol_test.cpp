@@ -118,6 +118,8 @@ TEST(FrameProtocol, TheStartTellsCalibrationSeedAndSettings) {
   EXPECT_EQ(odometry.position_per_sqrt_m, expected.position_per_sqrt_m);
   EXPECT_EQ(odometry.heading_per_sqrt_m, expected.heading_per_sqrt_m);
   EXPECT_EQ(odometry.heading_per_sqrt_rad, expected.heading_per_sqrt_rad);
+  EXPECT_EQ(odometry.rocking_m, expected.rocking_m);
+  EXPECT_EQ(odometry.rocking_rad, expected.rocking_rad);
   EXPECT_EQ(read.calibration.standing->up_C, sent.calibration.standing->up_C);
   EXPECT_EQ(read.calibration.standing->height_sigma, sent.calibration.standing->height_sigma);
   EXPECT_EQ(read.calibration.standing->pitch_sigma, sent.calibration.standing->pitch_sigma);

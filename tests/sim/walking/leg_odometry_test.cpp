@@ -47,6 +47,30 @@ TEST(LegOdometry, StaysWithinAFewPerCentOfTheWay) {
   }
 }
 
+TEST(LegOdometry, TheHeadRocksAboutAsMuchAsTheDataSheetSays) {
+  const OdometryCalibration sheet = LegDataSheet(50);
+  double tilt2 = 0, height2 = 0;
+  int walks = 0;
+  for (const char* robot : {"khr1hv", "nimbro", "robovie_m"}) {
+    for (const char* gait : {"normal", "brisk"}) {
+      ShippedWalkOptions options = OdometryWalk(PathKind::kStraight, 8);
+      options.robot = robot;
+      options.preset = gait;
+      const WalkTrialResult walk = RunWalkTrial(options);
+      ASSERT_FALSE(walk.fell) << robot << " " << gait;
+      // No gait tilts it by more than twice that: a system that gates by it at three sigmas sees every walk.
+      EXPECT_LT(walk.head_tilt_rms.maxCoeff(), 2 * sheet.rocking_rad) << robot << " " << gait;
+      EXPECT_LT(walk.head_height_rms_m, 2 * sheet.rocking_m) << robot << " " << gait;
+      tilt2 += walk.head_tilt_rms.squaredNorm() / 2;
+      height2 += walk.head_height_rms_m * walk.head_height_rms_m;
+      ++walks;
+    }
+  }
+  // One sheet for all of them: about either axis, root mean square over gaits.
+  EXPECT_NEAR(std::sqrt(tilt2 / walks) / sheet.rocking_rad, 1, 0.35);
+  EXPECT_NEAR(std::sqrt(height2 / walks) / sheet.rocking_m, 1, 0.35);
+}
+
 TEST(LegOdometry, AnImuOfAnotherRateDoesAsWell) {
   ShippedWalkOptions options = OdometryWalk(PathKind::kCircle, 14);
   for (const double rate_hz : {100.0, 500.0}) {
