@@ -42,12 +42,19 @@ auto FirstAfter(const std::deque<OdometrySample>& samples, int64_t stamp_ns) {
 
 }  // namespace
 
-void BodyTrack::Add(const std::vector<OdometrySample>& samples) {
+BodyTrack::BodyTrack(const OdometryCalibration& calibration, const ImuCalibration& imu) : calibration_(calibration) {
+  if (imu.rate_hz > 0) gyro_.emplace(imu);
+}
+
+void BodyTrack::Add(const std::vector<OdometrySample>& samples, const std::vector<ImuSample>& imu) {
+  if (gyro_) gyro_->Add(imu);
   samples_.insert(samples_.end(), samples.begin(), samples.end());
 }
 
 void BodyTrack::Forget(int64_t before_ns) {
   while (samples_.size() > 2 && samples_[1].stamp_ns <= before_ns) samples_.pop_front();
+  constexpr int64_t kPeriod_ns = 100'000'000;  // or more, of any IMU
+  if (gyro_) gyro_->DropBefore(before_ns - kPeriod_ns);
 }
 
 std::optional<PlanarPose> BodyTrack::At(int64_t stamp_ns) const {
@@ -78,7 +85,24 @@ std::optional<RelativePose> BodyTrack::Between(int64_t from_ns, int64_t to_ns) c
   grow(*to);
   const Pose& X_BC = calibration_.X_BC;
   const Pose X_FT = X_BC.Inverse() * (from->Inverse() * *to).Lifted() * X_BC;
-  return RelativePose{from_ns, to_ns, X_FT, CarryCovariance(InSpace(covariance, calibration_), X_BC)};
+  RelativePose moved{from_ns, to_ns, X_FT, CarryCovariance(InSpace(covariance, calibration_), X_BC)};
+  TurnByGyroscope(moved);
+  return moved;
+}
+
+/// Over short times a gyroscope with a bias that nobody has learned knows the turn of a body that rocks better. Wheels
+/// do not rock, and know it better themselves.
+void BodyTrack::TurnByGyroscope(RelativePose& moved) const {
+  constexpr double kRocks_rad = 0.02;
+  constexpr double kBias_rad_s = 0.02;  // as GyroTurn takes it at first
+  const double sigma = std::hypot(kBias_rad_s * 1e-9 * double(moved.to_ns - moved.from_ns), kNeverBelow_rad);
+  if (!gyro_ || calibration_.rocking_rad < kRocks_rad || sigma >= calibration_.rocking_rad) return;
+  const std::optional<Eigen::Vector3d> turn = gyro_->Between(moved.from_ns, moved.to_ns);
+  if (!turn) return;
+  moved.X_FT.rotation = ExpSo3(*turn);
+  moved.covariance.topRightCorner<3, 3>().setZero();
+  moved.covariance.bottomLeftCorner<3, 3>().setZero();
+  moved.covariance.bottomRightCorner<3, 3>() = sigma * sigma * Eigen::Matrix3d::Identity();
 }
 
 }  // namespace gaitcam

@@ -1,4 +1,5 @@
-/// How the camera moved between two instants by the body's own odometry, its wheels or legs.
+/// How the camera moved between two instants by the body's own odometry, its wheels or legs. A body that rocks as it
+/// goes has its gyroscope tell how the camera turned, where that knows it better.
 
 #pragma once
 
@@ -11,15 +12,17 @@
 #include "algorithms/core/observation.h"
 #include "algorithms/core/planar_pose.h"
 #include "algorithms/core/se3.h"
+#include "algorithms/geometry/gyro_turn.h"
 
 namespace gaitcam {
 
 class BodyTrack {
  public:
-  explicit BodyTrack(const OdometryCalibration& calibration) : calibration_(calibration) {}
+  /// @param imu its gyroscope is used; a rate of 0: none is.
+  explicit BodyTrack(const OdometryCalibration& calibration, const ImuCalibration& imu = {});
 
   /// The next samples, in time order.
-  void Add(const std::vector<OdometrySample>& samples);
+  void Add(const std::vector<OdometrySample>& samples, const std::vector<ImuSample>& imu = {});
   /// Forgets what lies before an instant, but for the sample that it needs itself.
   void Forget(int64_t before_ns);
 
@@ -29,10 +32,12 @@ class BodyTrack {
   std::optional<RelativePose> Between(int64_t from_ns, int64_t to_ns) const;
 
  private:
+  void TurnByGyroscope(RelativePose& moved) const;
   std::optional<PlanarPose> At(int64_t stamp_ns) const;
 
   OdometryCalibration calibration_;
   std::deque<OdometrySample> samples_;
+  std::optional<GyroTurn> gyro_;
 };
 
 }  // namespace gaitcam

@@ -32,7 +32,7 @@ HybridDrive::HybridDrive(const Calibration& calibration, std::shared_ptr<const R
                          const HybridDriveOptions& options, uint64_t seed)
     : options_(options),
       sight_(NeedWheels(calibration), options.sight, "hybrid_drive"),
-      body_(calibration.odometry),
+      body_(calibration.odometry, calibration.imu),
       localizer_(calibration, NeedMap(map), options.sight.feature, options.sight.models, options.localizer, seed),
       guard_(calibration, options.guard),
       ways_(*map),
@@ -52,7 +52,7 @@ HybridDrive::HybridDrive(const Calibration& calibration, std::shared_ptr<const R
 
 FrameEstimate HybridDrive::Track(const Observation& observation) {
   const int64_t stamp_ns = observation.stamp_ns;
-  body_.Add(observation.odometry);
+  body_.Add(observation.odometry, observation.imu);
   const MetricModel seen = sight_.See(observation);
   const std::optional<MapLocalizer::Fix> fix = localizer_.Locate(stamp_ns, seen, body_);
   body_.Forget(stamp_ns);

@@ -24,7 +24,7 @@ HybridSlam::HybridSlam(const Calibration& calibration, const HybridSlamOptions& 
       random_(seed, "hybrid_slam"),
       sight_(calibration, options.sight, "hybrid_slam"),
       robust_(options.robust, seed),
-      body_(calibration.odometry),
+      body_(calibration.odometry, calibration.imu),
       search_(options.search) {
   CheckFields(options, "hybrid_slam.");
   loop_links_.filter.filter = options.loop_filter;
@@ -32,7 +32,7 @@ HybridSlam::HybridSlam(const Calibration& calibration, const HybridSlamOptions& 
 }
 
 FrameEstimate HybridSlam::Track(const Observation& observation) {
-  body_.Add(observation.odometry);
+  body_.Add(observation.odometry, observation.imu);
   const int64_t stamp_ns = observation.stamp_ns;
   const cv::Mat& image = observation.image.pixels;
   const MetricModel seen = sight_.See(observation);

@@ -47,6 +47,45 @@ TEST(BodyTrack, MovesTheCameraAsTheBodyMoves) {
   }
 }
 
+/// A head that nods by 3 degrees four times in three seconds while its body goes on, and a gyroscope in it.
+BodyTrack Nodding(OdometryCalibration calibration, double rocking_rad) {
+  ImuCalibration imu;
+  imu.rate_hz = 500;
+  calibration.rocking_rad = rocking_rad;
+  BodyTrack track(calibration, imu);
+  for (int64_t t = 0; t <= 3'000'000'000; t += kPeriod_ns) {
+    track.Add({{t, {0.2e-9 * double(t), 0}, 0}});
+  }
+  for (int64_t t = 0; t <= 3'000'000'000; t += 2'000'000) {
+    const double omega = 2 * M_PI * 4 / 3;
+    track.Add({}, {{t, {0.052 * omega * std::cos(omega * 1e-9 * double(t)), 0, 0}, {0, 0, 9.81}}});
+  }
+  return track;
+}
+
+TEST(BodyTrack, TheGyroscopeTellsHowARockingHeadTurns) {
+  const auto nod = [](double t_s) { return 0.052 * std::sin(2 * M_PI * 4 / 3 * t_s); };
+  const BodyTrack legs = Nodding(CameraOnAMast(), 0.04);
+  const auto moved = legs.Between(1'000'000'000, 1'250'000'000);
+  ASSERT_TRUE(moved);
+  // Sums of a rate at 500 Hz: of second order in the period, some 1e-6 rad; half a period at either end.
+  EXPECT_NEAR(LogSo3(moved->X_FT.rotation).x(), nod(1.25) - nod(1.0), 1e-4);
+  const double sigma = std::sqrt(moved->covariance(3, 3));
+  EXPECT_LT(sigma, 0.0052) << "0.02 rad/s over 0.25 s";
+  EXPECT_GT(sigma, 0.0049);
+  EXPECT_GT(std::sqrt(moved->covariance(1, 1)), 0.002) << "rocking still moves it";
+  // Over 2.5 s its bias may have turned it by more than it rocks.
+  const auto longer = legs.Between(0, 2'500'000'000);
+  EXPECT_EQ(LogSo3(longer->X_FT.rotation).norm(), 0);
+  EXPECT_GT(std::sqrt(longer->covariance(3, 3)), 0.039);
+}
+
+TEST(BodyTrack, WheelsKnowTheirTurnThemselves) {
+  const BodyTrack wheels = Nodding(CameraOnAMast(), OdometryCalibration().rocking_rad);
+  const auto moved = wheels.Between(1'000'000'000, 1'100'000'000);
+  EXPECT_EQ(LogSo3(moved->X_FT.rotation).norm(), 0);
+}
+
 TEST(BodyTrack, KnowsNothingOfWhatItDidNotSee) {
   EXPECT_FALSE(BodyTrack(CameraOnAMast()).Between(0, 1));
   const BodyTrack track = Driven(1);
