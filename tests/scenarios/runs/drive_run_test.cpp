@@ -95,6 +95,22 @@ TEST_F(DriveRunTest, FindsItselfAgainWhenItWasCarriedOff) {
   EXPECT_LT(ScoreOf("kidnapped", "drive_goal_error_m"), 0.08);
 }
 
+TEST_F(DriveRunTest, AHumanoidWalksTheWayThatItLearned) {
+  const std::string humanoid = " --set robot=nimbro --set start=[-1.2,-1.4,0] --set path.settle_s=1";
+  const ProgramResult learned = Run("run learn.yaml --out learned_on_foot --set path.length_m=1.4" + humanoid);
+  ASSERT_EQ(learned.exit_code, 0) << learned.err;
+  EXPECT_EQ(ScoreOf("learned_on_foot", "coverage_ratio"), 1);
+  const ProgramResult drive =
+      Run("run drive.yaml --out walked --set map=learned_on_foot --set duration_s=30 " + humanoid +
+          " --set system.goal_x_m=1 --set system.lateral_gain=0.4 " + "--set system.heading_gain=0.6");
+  ASSERT_EQ(drive.exit_code, 0) << drive.err;
+  EXPECT_EQ(ScoreOf("walked", "drive_goal_reached"), 1);
+  // It sways by 3 cm to either side at every step, and stands where a step ends.
+  EXPECT_LT(ScoreOf("walked", "drive_deviation_mean_m"), 0.05);
+  EXPECT_LT(ScoreOf("walked", "drive_goal_error_m"), 0.1);
+  EXPECT_EQ(ScoreOf("walked", "drive_waited_s"), 0) << "nothing is in its way: it takes the floor for the floor";
+}
+
 TEST_F(DriveRunTest, ARobotInTheDarkStandsAndTheScoresSaySo) {
   ASSERT_EQ(learned_.exit_code, 0) << learned_.err;
   const ProgramResult drive = Run("run drive.yaml --out dark --set duration_s=2 --set camera.exposure_ms=0.01");
