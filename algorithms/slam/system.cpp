@@ -237,7 +237,7 @@ std::vector<Entry> MakeEntries() {
         MapUse::kNeeded},
        [](const SystemSetup& setup) { return std::make_unique<HybridDriveSystem>(setup); }},
       {{"hybrid_slam",
-        "depth camera and wheels among people: linked views in space, loops by appearance (Hua 6.1)",
+        "depth camera and wheels or legs among people: linked views in space, loops by appearance (Hua 6.1)",
         ListFields(HybridSlamOptions()),
         {SensorNeed::kDepth},
         false,

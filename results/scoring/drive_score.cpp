@@ -206,6 +206,16 @@ double TimeIn(const DriveEvidence& e, DriveState state) {
   return time_s;
 }
 
+/// By a view of the map, which shows somewhere else.
+double TimeMisplaced(const DriveEvidence& e) {
+  double time_s = 0;
+  for (size_t s = 1; s < e.drive.steps.size(); ++s) {
+    const bool misplaced = e.comparison.steps[s - 1].error_m > e.options.found_m;
+    if (misplaced && e.drive.steps[s - 1].confirmed) time_s += e.comparison.steps[s].elapsed_s;
+  }
+  return time_s;
+}
+
 double MeanSpeed(const DriveEvidence& e) {
   double way_m = 0, time_s = 0;
   for (size_t s = 1; s < e.drive.steps.size(); ++s) {
@@ -295,6 +305,9 @@ std::vector<Metric<DriveEvidence>> DriveMetrics() {
        [](const E& e) { return TimeIn(e, DriveState::kWaiting); }},
       {"drive_searched_s", "s", Better::kLower, kGroup, "time in which it did not know where it was",
        [](const E& e) { return TimeIn(e, DriveState::kSearching); }},
+      {"drive_misplaced_s", "s", Better::kLower, kGroup,
+       "time in which a view of the map told it a place more than 0.2 m from where it was",
+       [](const E& e) { return TimeMisplaced(e); }},
       {"drive_confirmed_ratio", "", Better::kHigher, kGroup,
        "part of the frames in which a view of the map said where it was; in the others its wheels did",
        [](const E& e) { return PartConfirmed(e.drive); }},
