@@ -12,6 +12,7 @@ namespace gaitcam {
 namespace {
 
 constexpr double kGoal_m = 0.5;      // a goal farther from all views is off the map
+constexpr double kLook_rad_s = 0.3;  // to look all around: a turn takes 21 s, and blurs a picture no more than driving
 constexpr double kStart_m = 1.0;     // likewise of where the robot finds itself
 constexpr double kArrived_m = 0.03;  // short of the goal
 constexpr double kBrake_mps2 = 0.25;
@@ -140,7 +141,7 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
     command_ = EndWalk();
     return DriveState::kArrived;
   }
-  if (blind_m_ > options_.blind_m) return DriveState::kSearching;
+  if (LooksAround(step)) return DriveState::kSearching;
   const double free_m = guard_.FreeWay([&](double ahead_m) { return route_.At(along_m_ + ahead_m).position; });
   const double allowed = std::min(SpeedBefore(free_m), guard_.SpeedAmongWalkers(kBrake_mps2, frame_s_));
   const double speed = std::min({options_.speed_mps, allowed, SpeedBefore(left_m) + 0.02});
@@ -156,6 +157,23 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
     PlanAround(X_FB);
   }
   return DriveState::kWaiting;
+}
+
+/// Once all around, wherever it has gone blindly for `blind_m`; after the last time it stands.
+bool HybridDrive::LooksAround(const DriveStep& step) {
+  constexpr int kLooks = 2;
+  if (step.confirmed) {
+    looks_ = 0;
+    looks_since_ns_.reset();
+  }
+  if (blind_m_ <= options_.blind_m) return false;
+  if (!looks_since_ns_) looks_since_ns_ = step.stamp_ns;
+  const bool all_around = 1e-9 * double(step.stamp_ns - *looks_since_ns_) > 2 * kPi / kLook_rad_s;
+  command_ = looks_ < kLooks && !all_around ? Velocity{0, 0, kLook_rad_s} : Velocity();
+  if (!all_around || looks_ >= kLooks) return true;
+  looks_since_ns_.reset();
+  if (++looks_ < kLooks) blind_m_ = 0;  // on by its wheels: it may be where nothing of the map is to be seen
+  return true;
 }
 
 /// From which the base comes to stand in so many metres.

@@ -5,7 +5,7 @@
 /// anew at every frame and driven towards as a velocity: along the taught way, back to it from beside it, turned as it
 /// was taught. So the robot need not stop at each model. With people about, it looks at its live depth first
 /// (way_guard.h): it slows down, waits, and after `patience_s` looks for another way. Where it truly is may be another
-/// place altogether once it was carried off, so it trusts its wheels for `blind_m` only.
+/// place altogether once it was carried off, so it trusts its wheels for `blind_m` only, and then turns to look around.
 ///
 /// The system acts, and ends the walk when it stands at its goal.
 
@@ -38,7 +38,7 @@ struct HybridDriveOptions {
   double lateral_gain = 1.0;
   double heading_gain = 1.5;
   double patience_s = 20;
-  double blind_m = 2.5;
+  double blind_m = 1.5;
   MetricSightOptions sight;
   MapLocalizerOptions localizer;
   WayGuardOptions guard;
@@ -53,7 +53,7 @@ void VisitFields(Visitor& visit, HybridDriveOptions& o) {
   visit("heading_gain", o.heading_gain, Between(0, 10), "part of what it is turned too far that it turns back in 1 s");
   visit("patience_s", o.patience_s, Between(0, 36000), "so long it waits before it looks for another way");
   visit("blind_m", o.blind_m, Between(0.01, 1000),
-        "so far it drives by its wheels alone; then it stands until a view of the map says where it is");
+        "so far it drives by its wheels alone; then it looks all around, once more that far on, and then it stands");
   VisitFields(visit, o.sight);
   VisitFields(visit, o.localizer);
   visit("guard", o.guard, Nested(), "what keeps it off people");
@@ -78,6 +78,7 @@ class HybridDrive {
   void Take(const std::vector<int>& views, const PlanarPose& X_FB);
   DriveState Drive(const DriveStep& step);
   Velocity Steer(const PlanarPose& X_FB, double speed_mps) const;
+  bool LooksAround(const DriveStep& step);
   double SpeedBefore(double free_m) const;
   FrameEstimate AnswerOf(int64_t stamp_ns, const MetricModel& seen, const std::optional<MapLocalizer::Fix>& fix) const;
 
@@ -92,7 +93,9 @@ class HybridDrive {
   int goal_ = -1;  ///< View.
   Route route_;
   double along_m_ = 0;
-  double blind_m_ = 0;  ///< Driven since a view confirmed where it is.
+  double blind_m_ = 0;  ///< Driven since a view confirmed where it is, or it has looked around for one.
+  int looks_ = 0;       ///< Since then.
+  std::optional<int64_t> looks_since_ns_;
   std::optional<int64_t> waits_since_ns_;
   BodyCommand command_ = Velocity();
   TaughtDrive drive_;
