@@ -19,7 +19,8 @@ Eigen::Matrix3d Grown(const PlanarPose& step, const OdometryCalibration& c) {
   return Eigen::Vector3d(position2, position2, heading2).asDiagonal();
 }
 
-/// Of the body's motion in space, given its part in the floor (x, y, yaw).
+/// Of the body's motion in space, given its part in the floor (x, y, yaw). Its rocking counts once, as of one instant,
+/// though a motion has it at both ends: the variance is half of what it would be if the two were independent.
 Matrix6d InSpace(const Eigen::Matrix3d& planar, const OdometryCalibration& c) {
   constexpr std::array kRows = {0, 1, 5};
   Matrix6d covariance = Matrix6d::Zero();
@@ -53,7 +54,7 @@ void BodyTrack::Add(const std::vector<OdometrySample>& samples, const std::vecto
 
 void BodyTrack::Forget(int64_t before_ns) {
   while (samples_.size() > 2 && samples_[1].stamp_ns <= before_ns) samples_.pop_front();
-  constexpr int64_t kPeriod_ns = 100'000'000;  // or more, of any IMU
+  constexpr int64_t kPeriod_ns = 100'000'000;  // no IMU samples more slowly
   if (gyro_) gyro_->DropBefore(before_ns - kPeriod_ns);
 }
 
@@ -94,9 +95,10 @@ std::optional<RelativePose> BodyTrack::Between(int64_t from_ns, int64_t to_ns) c
 /// do not rock, and know it better themselves.
 void BodyTrack::TurnByGyroscope(RelativePose& moved) const {
   constexpr double kRocks_rad = 0.02;
-  constexpr double kBias_rad_s = 0.02;  // as GyroTurn takes it at first
-  const double sigma = std::hypot(kBias_rad_s * 1e-9 * double(moved.to_ns - moved.from_ns), kNeverBelow_rad);
-  if (!gyro_ || calibration_.rocking_rad < kRocks_rad || sigma >= calibration_.rocking_rad) return;
+  if (!gyro_ || calibration_.rocking_rad < kRocks_rad) return;
+  const double time_s = 1e-9 * double(moved.to_ns - moved.from_ns);
+  const double sigma = std::hypot(gyro_->bias_sigma() * time_s, kNeverBelow_rad);
+  if (sigma >= calibration_.rocking_rad) return;
   const std::optional<Eigen::Vector3d> turn = gyro_->Between(moved.from_ns, moved.to_ns);
   if (!turn) return;
   moved.X_FT.rotation = ExpSo3(*turn);
