@@ -60,10 +60,11 @@ FrameEstimate HybridDrive::Track(const Observation& observation) {
   DriveStep step;
   step.stamp_ns = stamp_ns;
   if (fix) {
-    step.confirmed = fix->view >= 0;
+    step.confirmed = fix->Sure();
     step.found = fix->found;
+    step.places = fix->places;
     step.X_FB = ways_.InFloor(fix->X_WC);
-    const bool goes_on = !step.confirmed && !drive_.steps.empty();
+    const bool goes_on = !(fix->view >= 0 && KnowsTheWay(step.X_FB)) && !drive_.steps.empty();
     blind_m_ = goes_on ? blind_m_ + (step.X_FB.position - drive_.steps.back().X_FB.position).norm() : 0;
     if (fix->found) guard_.Forget();
     guard_.See(stamp_ns, ways_.CameraInFloor(fix->X_WC), observation.depth->pixels);
@@ -84,7 +85,7 @@ FrameEstimate HybridDrive::AnswerOf(int64_t stamp_ns, const MetricModel& seen,
   if (!fix) return answer;
   answer.inliers = fix->inliers;
   answer.matches = fix->matches;
-  if (fix->view < 0) {
+  if (!fix->Sure()) {
     answer.status = TrackingStatus::kLost;
     answer.predicted = fix->X_WC;
     return answer;
@@ -134,12 +135,12 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
   along_m_ = route_.Nearest(X_FB.position, along_m_ - kBack_m, along_m_ + kOn_m);
   const double left_m = route_.length_m() - along_m_;
   if (left_m <= kArrived_m) {
-    constexpr int kLooked = 4;  // frames in which the whole map is searched
-    const bool doubts =
-        !step.confirmed && localizer_.unconfirmed_frames() <= options_.localizer.unconfirmed_frames + kLooked;
-    if (doubts) return DriveState::kSearching;
-    command_ = EndWalk();
-    return DriveState::kArrived;
+    if (!Doubts(step)) {
+      command_ = EndWalk();
+      return DriveState::kArrived;
+    }
+    if (step.places == 1) return DriveState::kSearching;
+    blind_m_ = 2 * options_.blind_m;  // what tells the places apart may be behind it
   }
   if (LooksAround(step)) return DriveState::kSearching;
   const double free_m = guard_.FreeWay([&](double ahead_m) { return route_.At(along_m_ + ahead_m).position; });
@@ -159,14 +160,51 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
   return DriveState::kWaiting;
 }
 
+/// Shortest, from the view of the map that is nearest; none off the taught ways.
+Route HybridDrive::WayFrom(const PlanarPose& X_FB) const {
+  const int start = ways_.Nearest(X_FB, kStart_m);
+  std::vector<PlanarPose> poses;
+  if (start >= 0) {
+    for (const int view : ways_.Shortest(start, goal_)) poses.push_back(ways_.At(view));
+  }
+  return Route(poses);
+}
+
+/// Wherever else it may be, it would go in the same direction now, and a metre on.
+bool HybridDrive::KnowsTheWay(const PlanarPose& X_FB) const {
+  constexpr double kSame_rad = 0.4;
+  const std::vector<Pose> elsewhere = localizer_.Elsewhere();
+  if (elsewhere.empty()) return true;
+  const Route here = WayFrom(X_FB);
+  const auto direction = [](const Route& way, const PlanarPose& from, double ahead_m) {
+    return way.DirectionAt(way.Nearest(from.position, 0, kStart_m) + ahead_m) - from.heading;
+  };
+  return std::all_of(elsewhere.begin(), elsewhere.end(), [&](const Pose& X_WC) {
+    const PlanarPose X_FE = ways_.InFloor(X_WC);
+    const Route there = WayFrom(X_FE);
+    if (here.empty() || there.empty()) return false;
+    const auto same = [&](double ahead_m) {
+      return std::abs(WrapAngle(direction(here, X_FB, ahead_m) - direction(there, X_FE, ahead_m))) < kSame_rad;
+    };
+    return same(0) && same(1);
+  });
+}
+
+/// Who is not sure that he is at his goal, and has not yet looked through the whole map for long enough.
+bool HybridDrive::Doubts(const DriveStep& step) const {
+  constexpr int kLooked = 4;  // frames in which the whole map is searched
+  if (step.confirmed) return false;
+  return step.places > 1 || localizer_.unconfirmed_frames() <= options_.localizer.unconfirmed_frames + kLooked;
+}
+
 /// Once all around, wherever it has gone blindly for `blind_m`; after the last time it stands.
 bool HybridDrive::LooksAround(const DriveStep& step) {
   constexpr int kLooks = 2;
-  if (step.confirmed) {
-    looks_ = 0;
+  if (step.confirmed) looks_ = 0;
+  if (blind_m_ <= options_.blind_m) {
     looks_since_ns_.reset();
+    return false;
   }
-  if (blind_m_ <= options_.blind_m) return false;
   if (!looks_since_ns_) looks_since_ns_ = step.stamp_ns;
   const bool all_around = 1e-9 * double(step.stamp_ns - *looks_since_ns_) > 2 * kPi / kLook_rad_s;
   command_ = looks_ < kLooks && !all_around ? Velocity{0, 0, kLook_rad_s} : Velocity();

@@ -5,7 +5,8 @@
 /// anew at every frame and driven towards as a velocity: along the taught way, back to it from beside it, turned as it
 /// was taught. So the robot need not stop at each model. With people about, it looks at its live depth first
 /// (way_guard.h): it slows down, waits, and after `patience_s` looks for another way. Where it truly is may be another
-/// place altogether once it was carried off, so it trusts its wheels for `blind_m` only, and then turns to look around.
+/// place altogether once it was carried off, or one that looks the same, so it trusts its wheels for `blind_m` only,
+/// and then turns to look around.
 ///
 /// The system acts, and ends the walk when it stands at its goal.
 
@@ -78,6 +79,9 @@ class HybridDrive {
   void Take(const std::vector<int>& views, const PlanarPose& X_FB);
   DriveState Drive(const DriveStep& step);
   Velocity Steer(const PlanarPose& X_FB, double speed_mps) const;
+  Route WayFrom(const PlanarPose& X_FB) const;
+  bool KnowsTheWay(const PlanarPose& X_FB) const;
+  bool Doubts(const DriveStep& step) const;
   bool LooksAround(const DriveStep& step);
   double SpeedBefore(double free_m) const;
   FrameEstimate AnswerOf(int64_t stamp_ns, const MetricModel& seen, const std::optional<MapLocalizer::Fix>& fix) const;
@@ -93,7 +97,7 @@ class HybridDrive {
   int goal_ = -1;  ///< View.
   Route route_;
   double along_m_ = 0;
-  double blind_m_ = 0;  ///< Driven since a view confirmed where it is, or it has looked around for one.
+  double blind_m_ = 0;  ///< Driven since it knew the way, or has looked around to find out.
   int looks_ = 0;       ///< Since then.
   std::optional<int64_t> looks_since_ns_;
   std::optional<int64_t> waits_since_ns_;

@@ -30,32 +30,64 @@ MapLocalizer::MapLocalizer(const Calibration& calibration, std::shared_ptr<const
 
 std::optional<MapLocalizer::Fix> MapLocalizer::Locate(int64_t stamp_ns, const MetricModel& seen,
                                                       const BodyTrack& body) {
-  std::optional<Fix> fix = CarriedOn(stamp_ns, body);
-  if (fix) {
-    if (const std::optional<Fix> confirmed = Confirmed(*fix, seen)) fix = confirmed;
-  }
-  unconfirmed_ = fix && fix->view >= 0 ? 0 : unconfirmed_ + 1;
-  if (!fix || unconfirmed_ > options_.unconfirmed_frames) {
-    if (const std::optional<Fix> found = FindInWholeMap(seen)) {
-      fix = found;
+  CarryOnAndConfirm(stamp_ns, seen, body);
+  bool elsewhere = places_.empty();
+  unconfirmed_ = !places_.empty() && places_.front().fix.view >= 0 ? 0 : unconfirmed_ + 1;
+  if (places_.empty() || unconfirmed_ > options_.unconfirmed_frames) {
+    const std::vector<Place> found = FindInWholeMap(seen);
+    if (!found.empty()) {
+      places_ = found;
       unconfirmed_ = 0;
+      elsewhere = true;
     }
   }
-  last_ = fix;
+  elsewhere = GiveUpTheWorse() || elsewhere;
   last_stamp_ns_ = stamp_ns;
+  if (places_.empty()) return std::nullopt;
+  Fix fix = places_.front().fix;
+  fix.places = int(places_.size());
+  fix.found = elsewhere;
   return fix;
 }
 
-std::optional<MapLocalizer::Fix> MapLocalizer::CarriedOn(int64_t stamp_ns, const BodyTrack& body) const {
-  if (!last_) return std::nullopt;
+std::vector<Pose> MapLocalizer::Elsewhere() const {
+  std::vector<Pose> poses;
+  for (size_t i = 1; i < places_.size(); ++i) poses.push_back(places_[i].fix.X_WC);
+  return poses;
+}
+
+void MapLocalizer::CarryOnAndConfirm(int64_t stamp_ns, const MetricModel& seen, const BodyTrack& body) {
+  constexpr double kKept = 0.8;  // of what was explained before: over the last five frames, about
+  std::vector<Place> places;
+  for (const Place& place : places_) {
+    std::optional<Fix> fix = CarriedOn(place.fix, stamp_ns, body);
+    if (!fix) continue;
+    if (const std::optional<Fix> confirmed = Confirmed(*fix, seen)) fix = confirmed;
+    places.push_back({*fix, kKept * place.explained + (1 - kKept) * fix->inliers});
+  }
+  places_ = std::move(places);
+}
+
+/// @returns whether the first place was among them.
+bool MapLocalizer::GiveUpTheWorse() {
+  if (places_.empty()) return false;
+  const auto less = [](const Place& a, const Place& b) { return a.explained < b.explained; };
+  const auto best = std::max_element(places_.begin(), places_.end(), less);
+  const double enough = 0.5 * best->explained;
+  const bool first = places_.front().explained < enough;
+  if (first) std::iter_swap(places_.begin(), best);
+  std::erase_if(places_, [&](const Place& place) { return place.explained < enough; });
+  return first;
+}
+
+std::optional<MapLocalizer::Fix> MapLocalizer::CarriedOn(const Fix& last, int64_t stamp_ns,
+                                                         const BodyTrack& body) const {
   const std::optional<RelativePose> moved = body.Between(last_stamp_ns_, stamp_ns);
   if (!moved) return std::nullopt;
-  return Fix{last_->X_WC * moved->X_FT,
-             CovarianceOfProduct(moved->X_FT, last_->covariance, moved->covariance),
-             -1,
-             false,
-             0,
-             0};
+  Fix fix;
+  fix.X_WC = last.X_WC * moved->X_FT;
+  fix.covariance = CovarianceOfProduct(moved->X_FT, last.covariance, moved->covariance);
+  return fix;
 }
 
 /// The nearest first.
@@ -83,7 +115,8 @@ std::optional<MapLocalizer::Fix> MapLocalizer::LinkWith(int view, const MetricMo
              view,
              false,
              link->inliers,
-             link->matches};
+             link->matches,
+             1};
 }
 
 /// By that of the nearest views which agrees with what is expected and has the most inliers.
@@ -102,20 +135,33 @@ std::optional<MapLocalizer::Fix> MapLocalizer::Confirmed(const Fix& expected, co
   return best;
 }
 
-std::optional<MapLocalizer::Fix> MapLocalizer::FindInWholeMap(const MetricModel& seen) {
+/// As a view of the map that shows the other place might also show the one.
+bool MapLocalizer::Near(const Fix& a, const Fix& b) const {
+  const Pose X_AB = a.X_WC.Inverse() * b.X_WC;
+  return X_AB.translation.norm() <= options_.near_m &&
+         kDegPerRad * RotationAngle(Eigen::Quaterniond::Identity(), X_AB.rotation) <= options_.near_deg;
+}
+
+/// The place whose view has the most inliers first, and every other place that half as many agree with.
+std::vector<MapLocalizer::Place> MapLocalizer::FindInWholeMap(const MetricModel& seen) {
   if (!search_) {
     search_.emplace(options_.search);
     for (const MetricModel& model : models_) search_->Add(model.features.descriptors);
   }
-  std::optional<Fix> best;
+  std::vector<Fix> fits;
   for (const std::vector<int>& pass : search_->BestOfEachPass(seen.features.descriptors, search_->size())) {
     for (const int view : pass) {
-      const std::optional<Fix> fix = LinkWith(view, seen);
-      if (fix && fix->inliers >= options_.relocalise_inliers && (!best || fix->inliers > best->inliers)) best = fix;
+      if (const std::optional<Fix> fix = LinkWith(view, seen)) fits.push_back(*fix);
     }
   }
-  if (best) best->found = true;
-  return best;
+  std::stable_sort(fits.begin(), fits.end(), [](const Fix& a, const Fix& b) { return a.inliers > b.inliers; });
+  std::vector<Place> places;
+  if (fits.empty() || fits.front().inliers < options_.relocalise_inliers) return places;
+  for (const Fix& fix : fits) {
+    const bool there = std::any_of(places.begin(), places.end(), [&](const Place& p) { return Near(p.fix, fix); });
+    if (!there) places.push_back({fix, double(fix.inliers)});
+  }
+  return places;
 }
 
 }  // namespace gaitcam

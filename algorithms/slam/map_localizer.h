@@ -7,6 +7,10 @@
 /// compared with the frame; the one with the most inliers corrects the pose, each counting by its covariance. Nothing
 /// is asked of the whole map unless there is no pose yet, or nothing has confirmed it for a while: so a robot that was
 /// carried off finds itself again.
+///
+/// The same picture may hang in several places, and one frame then fits each of them. So the whole map may answer with
+/// several places. All are carried on and compared with the frames that follow; one that explains less than half of
+/// what another one does is given up. Until one place alone is left, where the robot is is not known for sure.
 
 #pragma once
 
@@ -50,7 +54,7 @@ void VisitFields(Visitor& visit, MapLocalizerOptions& o) {
   visit("unconfirmed_frames", o.unconfirmed_frames, Between(1, 1000000),
         "after so many frames that no view has confirmed the whole map is searched");
   visit("relocalise_inliers", o.relocalise_inliers, Between(6, 100000),
-        "points that must agree with a view that is found in the whole map");
+        "points that must agree with a view that is found in the whole map; half of them with each other place");
   visit("map_sigma_m", o.map_sigma_m, Between(0, 10), "how wrong the map is about a view's position, per axis");
   visit("map_sigma_deg", o.map_sigma_deg, Between(0, 90), "likewise about how it is turned");
 }
@@ -61,8 +65,12 @@ class MapLocalizer {
     Pose X_WC;                               ///< In the map's world.
     Matrix6d covariance = Matrix6d::Zero();  ///< Of X_WC, the map taken as right but for map_sigma.
     int view = -1;                           ///< Of the map, that confirmed it; -1: carried on by the wheels alone.
-    bool found = false;                      ///< In the whole map: a start, or after being carried off.
+    bool found = false;  ///< Another place than before: of the whole map, or of those where it might have been.
     int inliers = 0, matches = 0;
+    int places = 1;  ///< Where it may be as well as there, that place included.
+
+    /// A view says so, and no other place does.
+    bool Sure() const { return view >= 0 && places == 1; }
   };
 
   /// @param models how points are taken from the map's features. @throws BadInput in one line if the map is of another
@@ -74,15 +82,26 @@ class MapLocalizer {
   /// @returns nothing as long as the map was not met, or where the wheels do not reach.
   std::optional<Fix> Locate(int64_t stamp_ns, const MetricModel& seen, const BodyTrack& body);
 
+  /// The other places where it may be, of the last frame.
+  std::vector<Pose> Elsewhere() const;
   /// How many frames in a row no view has confirmed.
   int unconfirmed_frames() const { return unconfirmed_; }
 
  private:
-  std::optional<Fix> CarriedOn(int64_t stamp_ns, const BodyTrack& body) const;
+  /// Where it may be. Explained: inliers per frame, those of the last few frames counting most.
+  struct Place {
+    Fix fix;
+    double explained = 0;
+  };
+
+  std::optional<Fix> CarriedOn(const Fix& last, int64_t stamp_ns, const BodyTrack& body) const;
   std::vector<int> ViewsNear(const Pose& X_WC) const;
   std::optional<Fix> LinkWith(int view, const MetricModel& seen);
   std::optional<Fix> Confirmed(const Fix& expected, const MetricModel& seen);
-  std::optional<Fix> FindInWholeMap(const MetricModel& seen);
+  std::vector<Place> FindInWholeMap(const MetricModel& seen);
+  bool Near(const Fix& a, const Fix& b) const;
+  void CarryOnAndConfirm(int64_t stamp_ns, const MetricModel& seen, const BodyTrack& body);
+  bool GiveUpTheWorse();
 
   std::shared_ptr<const RouteMap> map_;
   MapLocalizerOptions options_;
@@ -90,7 +109,7 @@ class MapLocalizer {
   RandomStream random_;
   std::vector<MetricModel> models_;
   std::optional<PassSearch> search_;  ///< Learned when it is first needed: it takes seconds.
-  std::optional<Fix> last_;
+  std::vector<Place> places_;         ///< The first is taken for the true one as long as it is not given up.
   int64_t last_stamp_ns_ = 0;
   int unconfirmed_ = 0;
 };

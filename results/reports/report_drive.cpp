@@ -110,13 +110,13 @@ ReportSection DriveReportSection(const DriveComparison& comparison, const Taught
 
 std::string DriveCsv(const TaughtDrive& drive, const DriveComparison& comparison) {
   const auto number = [](double value) { return std::isfinite(value) ? fmt::format("{:.4f}", value) : std::string(); };
-  std::string text = "stamp_ns,state,confirmed,found,x_m,y_m,beside_m,person_m\n";
+  std::string text = "stamp_ns,state,confirmed,found,places,x_m,y_m,beside_m,person_m\n";
   for (size_t s = 0; s < drive.steps.size(); ++s) {
     const DriveStep& step = drive.steps[s];
     const DrivenStep& truth = comparison.steps[s];
-    text += fmt::format("{},{},{},{},{},{},{},{}\n", step.stamp_ns, ToWord(step.state), int(step.confirmed),
-                        int(step.found), number(truth.at_m.x()), number(truth.at_m.y()), number(truth.beside_m),
-                        number(truth.person_m));
+    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", step.stamp_ns, ToWord(step.state), int(step.confirmed),
+                        int(step.found), step.places, number(truth.at_m.x()), number(truth.at_m.y()),
+                        number(truth.beside_m), number(truth.person_m));
   }
   return text;
 }

@@ -13,8 +13,8 @@ namespace gaitcam {
 
 ReportSection DriveReportSection(const DriveComparison& comparison, const TaughtDrive& drive);
 
-/// A line for each frame: stamp_ns, state, confirmed, found, x_m, y_m (true), beside_m (from the taught way), person_m
-/// (to the nearest one); empty where unknown.
+/// A line for each frame: stamp_ns, state, confirmed, found, places, x_m, y_m (true), beside_m (from the taught way),
+/// person_m (to the nearest one); empty where unknown.
 std::string DriveCsv(const TaughtDrive& drive, const DriveComparison& comparison);
 
 }  // namespace gaitcam

@@ -31,8 +31,8 @@ struct Drive {
   using Seen = std::function<void(int frame, const PlanarPose& X_WB, Observation& observation)>;
 
   Drive(const HybridDriveOptions& options, const PlanarPose& start, int most_frames, const Befalls& befalls = {},
-        const Seen& seen = {}) {
-    HybridDrive drive(DepthAndWheels(), TaughtLane(), options, 1);
+        const Seen& seen = {}, const std::shared_ptr<const RouteMap>& map = TaughtLane()) {
+    HybridDrive drive(DepthAndWheels(), map, options, 1);
     RoomBase base(start);
     for (int frame = 0; frame < most_frames && !ended; ++frame) {
       if (befalls) befalls(frame, base);
@@ -166,6 +166,58 @@ TEST(HybridDrive, ArrivesInTheDarkOnceNothingSaysOtherwise) {
   // It has stood there and looked for itself in the whole map: since frame 12 for 12 frames, and then for four.
   EXPECT_GE(int(drive.path.size()), kDark + 12 + 4);
   EXPECT_LT((drive.TrueInF(int(drive.path.size()) - 1) - Eigen::Vector2d(1.2, 0)).norm(), 0.1 + kRoomTolerance_m);
+}
+
+constexpr double kSecond_m = 5;
+
+/// The lane as if it were there twice, the second time so many metres ahead; of the first only some views are known.
+std::shared_ptr<const RouteMap> LaneTwice(size_t known_views) {
+  const std::shared_ptr<const RouteMap> once = TaughtLane();
+  RouteMap twice = *once;
+  twice.graph.links.clear();
+  const Pose ahead = once->X_BC.Inverse() * PlanarPose({kSecond_m, 0}, 0).Lifted() * once->X_BC;
+  for (size_t v = 0; v < once->graph.nodes.size(); ++v) {
+    if (v >= known_views) twice.views[v] = {};
+    twice.graph.nodes.push_back(once->graph.nodes[v]);
+    twice.graph.nodes.back().X_WC = ahead * once->graph.nodes[v].X_WC;
+    twice.graph.nodes.back().stamp_ns += kSessionApart_ns;
+  }
+  twice.views.insert(twice.views.end(), once->views.begin(), once->views.end());
+  return std::make_shared<const RouteMap>(twice);
+}
+
+TEST(HybridDrive, IsNotSureWhereItIsAsLongAsTwoPlacesLookTheSame) {
+  HybridDriveOptions options = ToGoal(kSecond_m + 1.2);
+  options.localizer.near_m = 0.25;  // from farther on, a view of so small a room still shows much the same
+  const Drive drive(options, kTaughtStart, 60, {}, {}, LaneTwice(7));
+  ASSERT_TRUE(drive.ended);
+  int unsure = 0;
+  for (size_t i = 0; i < drive.path.size(); ++i) {
+    const DriveStep& step = drive.said.steps[i];
+    unsure += step.places == 2;
+    EXPECT_EQ(step.confirmed, drive.answers[i].pose.has_value()) << i;
+    if (step.places == 2) EXPECT_TRUE(!step.confirmed && drive.answers[i].predicted.has_value()) << i;
+    if (!step.confirmed) continue;
+    const Eigen::Vector2d there = drive.TrueInF(int(i)) + Eigen::Vector2d(kSecond_m, 0);
+    EXPECT_LT((step.X_FB.position - there).norm(), kRoomTolerance_m) << i;
+  }
+  // Both have views up to 0.6 m, which reach 0.25 m farther. A frame is 0.06 m; half of what was explained is forgotten
+  // in four frames, and it begins slowly.
+  EXPECT_GT(unsure, 5);
+  EXPECT_LT(unsure, (0.6 + 0.25) / 0.06 + 10);
+  EXPECT_EQ(drive.said.steps[1].state, DriveState::kDriving) << "the way is the same from both";
+  EXPECT_EQ(drive.said.steps.back().state, DriveState::kArrived);
+}
+
+TEST(HybridDrive, DoesNotSayThatItArrivedWhereItMayBeElsewhere) {
+  constexpr int kFrames = 60;
+  const Drive drive(ToGoal(kSecond_m + 0.5), kTaughtStart, kFrames, {}, {}, LaneTwice(TaughtLane()->views.size()));
+  EXPECT_FALSE(drive.ended);
+  for (const DriveStep& step : drive.said.steps) {
+    EXPECT_EQ(step.places, 2);
+    EXPECT_FALSE(step.confirmed);
+  }
+  EXPECT_GT(drive.TrueInF(kFrames - 1).x(), 0.4) << "it goes on while the way is the same";
 }
 
 TEST(HybridDrive, IsTheSameTwice) {
