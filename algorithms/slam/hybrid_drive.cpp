@@ -72,6 +72,8 @@ FrameEstimate HybridDrive::Track(const Observation& observation) {
   }
   command_ = Velocity();
   if (fix && !route_.empty()) step.state = Drive(step);
+  if (const Velocity* velocity = std::get_if<Velocity>(&command_))
+    commanded_.emplace_back(stamp_ns, std::hypot(velocity->forward_mps, velocity->left_mps));
   drive_.steps.push_back(step);
   return AnswerOf(stamp_ns, seen, fix);
 }
@@ -133,7 +135,8 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
   const PlanarPose& X_FB = step.X_FB;
   constexpr double kBack_m = 0.3, kOn_m = 0.8;  // how far from where it was a frame ago it may be along the route
   along_m_ = route_.Nearest(X_FB.position, along_m_ - kBack_m, along_m_ + kOn_m);
-  const double left_m = route_.length_m() - along_m_;
+  const double going_m = GoingStill(step.stamp_ns);
+  const double left_m = route_.length_m() - along_m_ - going_m;
   if (left_m <= kArrived_m) {
     if (!Doubts(step)) {
       command_ = EndWalk();
@@ -144,7 +147,8 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
   }
   if (LooksAround(step)) return DriveState::kSearching;
   const double free_m = guard_.FreeWay([&](double ahead_m) { return route_.At(along_m_ + ahead_m).position; });
-  const double allowed = std::min(SpeedBefore(free_m), guard_.SpeedAmongWalkers(kBrake_mps2, frame_s_));
+  const double allowed = std::min(SpeedBefore(free_m - going_m),
+                                  guard_.SpeedAmongWalkers({kBrake_mps2, frame_s_ + options_.late_s, going_m}));
   const double speed = std::min({options_.speed_mps, allowed, SpeedBefore(left_m) + 0.02});
   if (speed >= 0.02) {
     waits_since_ns_.reset();
@@ -212,6 +216,19 @@ bool HybridDrive::LooksAround(const DriveStep& step) {
   looks_since_ns_.reset();
   if (++looks_ < kLooks) blind_m_ = 0;  // on by its wheels: it may be where nothing of the map is to be seen
   return true;
+}
+
+/// The way that it goes by what was commanded in the last `late_s` and is not answered yet.
+double HybridDrive::GoingStill(int64_t stamp_ns) {
+  const auto since_s = [&](int64_t then_ns) { return 1e-9 * double(stamp_ns - then_ns); };
+  double going_m = 0, until_s = 0;
+  for (size_t i = commanded_.size(); i-- > 0;) {
+    const double from_s = std::min(since_s(commanded_[i].first), options_.late_s);
+    going_m += commanded_[i].second * (from_s - until_s);
+    until_s = from_s;
+  }
+  while (commanded_.size() > 1 && since_s(commanded_[1].first) >= options_.late_s) commanded_.pop_front();
+  return going_m;
 }
 
 /// From which the base comes to stand in so many metres.

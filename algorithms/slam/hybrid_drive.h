@@ -12,8 +12,10 @@
 
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "algorithms/core/body_command.h"
@@ -38,6 +40,7 @@ struct HybridDriveOptions {
   double speed_mps = 0.3;
   double lateral_gain = 1.0;
   double heading_gain = 1.5;
+  double late_s = 0;
   double patience_s = 20;
   double blind_m = 1.5;
   MetricSightOptions sight;
@@ -52,6 +55,8 @@ void VisitFields(Visitor& visit, HybridDriveOptions& o) {
   visit("speed_mps", o.speed_mps, Between(0.01, 3), "along the way where it is free");
   visit("lateral_gain", o.lateral_gain, Between(0, 10), "part of what it is beside the way that it drives back in 1 s");
   visit("heading_gain", o.heading_gain, Between(0, 10), "part of what it is turned too far that it turns back in 1 s");
+  visit("late_s", o.late_s, Between(0, 10),
+        "so late the body answers a command: wheels at once, legs after the steps under way");
   visit("patience_s", o.patience_s, Between(0, 36000), "so long it waits before it looks for another way");
   visit("blind_m", o.blind_m, Between(0.01, 1000),
         "so far it drives by its wheels alone; then it looks all around, once more that far on, and then it stands");
@@ -83,6 +88,7 @@ class HybridDrive {
   bool KnowsTheWay(const PlanarPose& X_FB) const;
   bool Doubts(const DriveStep& step) const;
   bool LooksAround(const DriveStep& step);
+  double GoingStill(int64_t stamp_ns);
   double SpeedBefore(double free_m) const;
   FrameEstimate AnswerOf(int64_t stamp_ns, const MetricModel& seen, const std::optional<MapLocalizer::Fix>& fix) const;
 
@@ -101,6 +107,7 @@ class HybridDrive {
   int looks_ = 0;       ///< Since then.
   std::optional<int64_t> looks_since_ns_;
   std::optional<int64_t> waits_since_ns_;
+  std::deque<std::pair<int64_t, double>> commanded_;  ///< Stamps and speeds that the body may not have answered yet.
   BodyCommand command_ = Velocity();
   TaughtDrive drive_;
 };

@@ -92,11 +92,11 @@ double WayGuard::NearestMoving(const std::vector<Point>& points, const Eigen::Ve
 }
 
 /// While the robot brakes from v by b after tau, it goes v^2 / 2b, and somebody w (tau + v / b) towards it.
-double WayGuard::SpeedAmongWalkers(double brake_mps2, double reaction_s) const {
+double WayGuard::SpeedAmongWalkers(const Stop& stop) const {
   double away_m = std::numeric_limits<double>::infinity();
   for (const auto& [stamp_ns, seen_m] : moving_) away_m = std::min(away_m, seen_m);
-  const double w = options_.walker_mps, room_m = away_m - options_.clearance_m - w * reaction_s;
-  return room_m <= 0 ? 0 : std::sqrt(w * w + 2 * brake_mps2 * room_m) - w;
+  const double w = options_.walker_mps, room_m = away_m - options_.clearance_m - stop.going_m - w * stop.reaction_s;
+  return room_m <= 0 ? 0 : std::sqrt(w * w + 2 * stop.brake_mps2 * room_m) - w;
 }
 
 double WayGuard::FreeWay(const std::function<Eigen::Vector2d(double)>& ahead) const {

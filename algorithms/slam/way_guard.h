@@ -57,9 +57,14 @@ class WayGuard {
   /// @returns how far the body may go on until something is within `clearance_m` of it, m; `look_m` if nothing is.
   double FreeWay(const std::function<Eigen::Vector2d(double along_m)>& ahead) const;
 
+  /// How the robot comes to stand.
+  struct Stop {
+    double brake_mps2;  ///< What it slows down by.
+    double reaction_s;  ///< Until it begins to.
+    double going_m;     ///< How far it goes by what it was told before.
+  };
   /// How fast the robot may be so that it stands when somebody who moves gets as near as `clearance_m`, m/s.
-  /// @param brake_mps2 what it slows down by. @param reaction_s until it begins to.
-  double SpeedAmongWalkers(double brake_mps2, double reaction_s) const;
+  double SpeedAmongWalkers(const Stop& stop) const;
 
  private:
   /// A picture, and where it was taken.

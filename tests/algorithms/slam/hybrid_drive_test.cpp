@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <deque>
 
 #include "algorithms/core/units.h"
 #include "tests/algorithms/slam/taught_room.h"
@@ -30,8 +31,10 @@ struct Drive {
   using Befalls = std::function<void(int frame, RoomBase& base)>;
   using Seen = std::function<void(int frame, const PlanarPose& X_WB, Observation& observation)>;
 
+  /// @param late by so many frames it answers its commands.
   Drive(const HybridDriveOptions& options, const PlanarPose& start, int most_frames, const Befalls& befalls = {},
-        const Seen& seen = {}, const std::shared_ptr<const RouteMap>& map = TaughtLane()) {
+        const Seen& seen = {}, const std::shared_ptr<const RouteMap>& map = TaughtLane(), size_t late = 0) {
+    std::deque<Velocity> on_their_way(late);
     HybridDrive drive(DepthAndWheels(), map, options, 1);
     RoomBase base(start);
     for (int frame = 0; frame < most_frames && !ended; ++frame) {
@@ -41,7 +44,10 @@ struct Drive {
       answers.push_back(drive.Track(observation));
       path.push_back(base.X_WB());
       ended = std::holds_alternative<EndWalk>(drive.command());
-      if (!ended) base.Drive(std::get<Velocity>(drive.command()));
+      if (ended) break;
+      on_their_way.push_back(std::get<Velocity>(drive.command()));
+      base.Drive(on_their_way.front());
+      on_their_way.pop_front();
     }
     said = drive.drive();
   }
@@ -96,6 +102,27 @@ TEST(HybridDrive, WaitsForWhatStandsInItsWayAndGoesOnWhenItIsGone) {
   EXPECT_LE(stood_m, kColumn_m - 0.52) << "body and clearance";
   EXPECT_GT(stood_m, kColumn_m - 0.52 - 0.25);
   EXPECT_LT((drive.path[kGone].position - drive.path[kGone - 5].position).norm(), 0.01);
+}
+
+TEST(HybridDrive, KeepsItsClearanceThoughTheBodyAnswersLate) {
+  constexpr double kColumn_m = 1.3;
+  constexpr int kFrames = 40;
+  constexpr size_t kLate = 4;
+  const auto column = [](int, const PlanarPose& X_WB, Observation& observation) {
+    PutColumn(kColumn_m, X_WB, observation.depth->pixels);
+  };
+  const auto comes_to = [&](double late_s) {
+    HybridDriveOptions options = ToGoal(1.2);
+    options.late_s = late_s;
+    const Drive drive(options, kTaughtStart, kFrames, {}, column, TaughtLane(), kLate);
+    double farthest_m = 0;
+    for (int i = 0; i < kFrames; ++i) farthest_m = std::max(farthest_m, drive.TrueInF(i).x());
+    return farthest_m;
+  };
+  const double clear_m = kColumn_m - 0.52;  // body and clearance
+  EXPECT_GT(comes_to(0), clear_m + 0.05);
+  EXPECT_LE(comes_to(kLate * RoomBase::kFrame_s), clear_m);
+  EXPECT_GT(comes_to(kLate * RoomBase::kFrame_s), clear_m - 0.25);
 }
 
 TEST(HybridDrive, FindsItselfAgainWhereItWasCarriedTo) {

@@ -91,13 +91,13 @@ TEST(WayGuard, BelievesInWhatItNoLongerSeesForAWhile) {
 
 TEST(WayGuard, WhoHasMovedIsGivenTheRoomToComeOn) {
   constexpr double kBrake_mps2 = 0.25, kReaction_s = 0.25;
-  const auto speed = [&](double person_m) {
+  const auto speed = [&](double person_m, double going_m = 0) {
     WayGuard guard(Ahead(), {});
     guard.See(0, From({}), Wall(4));
     cv::Mat depth = Wall(4);
     depth.colRange(100, 140).setTo(person_m);
     guard.See(kSecond_ns / 4, From({}), depth);
-    return guard.SpeedAmongWalkers(kBrake_mps2, kReaction_s);
+    return guard.SpeedAmongWalkers({kBrake_mps2, kReaction_s, going_m});
   };
   double slower = 0;
   for (const double person_m : {0.8, 1.2, 2.0, 3.0}) {
@@ -111,6 +111,8 @@ TEST(WayGuard, WhoHasMovedIsGivenTheRoomToComeOn) {
     slower = v;
   }
   EXPECT_EQ(speed(0.8), 0);
+  // What the robot goes by earlier commands is as if the person were nearer by that.
+  EXPECT_NEAR(speed(3, 0.5), speed(2.5), 1e-3);
 }
 
 TEST(WayGuard, WhatStandsDoesNotMoveBecauseTheRobotDoes) {
@@ -121,7 +123,7 @@ TEST(WayGuard, WhatStandsDoesNotMoveBecauseTheRobotDoes) {
   depth = Wall(3.9);
   depth.colRange(99, 141).setTo(1.9);
   guard.See(kSecond_ns / 4, From({{0.1, 0}, 0}), depth);
-  EXPECT_GT(guard.SpeedAmongWalkers(0.25, 0.25), 100);
+  EXPECT_GT(guard.SpeedAmongWalkers({0.25, 0.25, 0}), 100);
 }
 
 TEST(WayGuard, KnowsWhatStandsWhereItDoesNotLook) {
