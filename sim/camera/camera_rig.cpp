@@ -1,5 +1,6 @@
 #include "sim/camera/camera_rig.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "algorithms/core/errors.h"
@@ -36,6 +37,10 @@ void CameraOptions::Check() const {
     throw BadOption("camera.depth_model: " + std::string(ToWord(depth_model)) +
                     " has no depth camera to go with; expected camera.depth: true beside it");
   }
+  if (depth_mount && !depth) {
+    throw BadOption("camera.depth_mount: there is no depth camera to mount; expected camera.depth: true beside it");
+  }
+  if (depth_mount) CheckFields(*depth_mount, "camera.depth_mount.");
   if (jpeg) CheckFields(*jpeg, "camera.jpeg.");
   if (exposure.max_subframes < exposure.min_subframes) {
     throw BadOption("camera.max_subframes: " + std::to_string(exposure.max_subframes) +
@@ -68,6 +73,8 @@ void ReadOption(const OptionValue& node, CameraOptions& value) {
 CameraRig::CameraRig(const CameraOptions& options, uint64_t seed, double light_level)
     : options_(options), seed_(seed), light_level_(light_level) {
   options.Check();
+  if (options.depth_mount)
+    depth_mount_ = DepthMount::Of(*options.depth_mount, RandomStream(seed, "camera.depth_mount"));
   Reseed(seed);
   const Lens lens(MakeCamera());  // says now what is wrong with a distortion
 }
@@ -133,6 +140,15 @@ int64_t CameraRig::FrameStamp(int64_t frame) const {
   return first + int64_t(std::llround(double(frame) * 1e9 / options_.rate_hz));
 }
 
+int64_t CameraRig::DepthStamp(int64_t stamp_ns) const {
+  return options_.depth_mount ? stamp_ns + int64_t(std::llround(1e6 * options_.depth_mount->late_ms)) : stamp_ns;
+}
+
+ShutterInterval CameraRig::Shutter(int64_t stamp_ns) const {
+  const ShutterInterval light = WholeShutter(exposure_, stamp_ns);
+  return {light.open_ns, std::max(light.close_ns, DepthStamp(stamp_ns))};
+}
+
 LatentRigFrame CameraRig::Film(Renderer& renderer, const MotionRecord& record, int64_t frame,
                                const TruthOptions& truth) {
   if (cameras_.empty()) {
@@ -147,8 +163,13 @@ LatentRigFrame CameraRig::Film(Renderer& renderer, const MotionRecord& record, i
   const auto noise = [&](size_t i) { return RandomStream(seed_, kNames[i] + ("." + std::to_string(frame))); };
   TruthOptions wanted = truth;
   wanted.depth |= options_.depth;
-  LatentRigFrame latent{cameras_[0].Film(renderer, record, stamp_ns, wanted, noise(0)), std::nullopt, std::nullopt,
+  LatentRigFrame latent{cameras_[0].Film(renderer, record, stamp_ns, wanted, noise(0)),
+                        std::nullopt,
+                        std::nullopt,
+                        {},
                         exposure_.exposure_ms};
+  if (depth_mount_)
+    latent.own_depth = cameras_[0].DepthFrom(renderer, record, DepthStamp(stamp_ns), depth_mount_->X_LD);
   if (options_.depth) latent.depth_noise.emplace(seed_, "camera.depth." + std::to_string(frame));
   constexpr TruthOptions kPosesOnly{false, false, false};
   if (cameras_.size() > 1) latent.right = cameras_[1].Film(renderer, record, stamp_ns, kPosesOnly, noise(1));
@@ -162,14 +183,18 @@ LatentRigFrame CameraRig::Film(Renderer& renderer, const MotionRecord& record, i
   return latent;
 }
 
+Image CameraRig::MeasuredDepth(const LatentRigFrame& latent, const ExposedFrame& left) const {
+  const cv::Mat& rays = cameras_[0].lens().rays();
+  const cv::Mat& seen = depth_mount_ ? latent.own_depth : left.truth.depth;
+  cv::Mat depth = MeasureDepth(options_.depth_model, seen, rays, left.image.pixels, *latent.depth_noise);
+  if (depth_mount_) depth = RegisterDepth(depth, rays, cameras_[0].lens().camera(), depth_mount_->X_LD_believed);
+  return {DepthStamp(left.image.stamp_ns), depth};
+}
+
 RigFrame CameraRig::Develop(LatentRigFrame latent) const {
   RigFrame result;
   result.left = cameras_[0].Develop(std::move(latent.left));
-  if (options_.depth) {
-    const Image& left = result.left.image;
-    result.depth = Image{left.stamp_ns, MeasureDepth(options_.depth_model, result.left.truth.depth,
-                                                     cameras_[0].lens().rays(), left.pixels, *latent.depth_noise)};
-  }
+  if (options_.depth) result.depth = MeasuredDepth(latent, result.left);
   if (latent.right) result.right = cameras_[1].Develop(std::move(*latent.right));
   if (options_.jpeg) {
     result.left.image.pixels = ThroughJpeg(result.left.image.pixels, *options_.jpeg);

@@ -73,6 +73,7 @@ struct CameraOptions {
   bool grey = false;
   bool depth = false;
   DepthModel depth_model = DepthModel::kIdeal;
+  std::optional<DepthMountOptions> depth_mount;
   int antialias = 4;
   bool shadows = false;
   ExposureOptions exposure;  ///< In a scenario file these keys stand directly under `camera`.
@@ -103,6 +104,8 @@ void VisitFields(Visitor& visit, CameraOptions& o) {
   visit("depth", o.depth, Nested(), "depth beside the left image, at mid-exposure");
   visit("depth_model", o.depth_model, EnumWords<DepthModel>(),
         "errors of the depth: ideal has none; as a Kinect's structured_light; as a time_of_flight camera's");
+  visit("depth_mount", o.depth_mount, Nested(),
+        "the depth camera has a place, a time and an error of registration of its own; absent: the left camera's");
   visit("antialias", o.antialias, Between(1, 64), "at least so many samples, spread over its square, make a pixel");
   visit("shadows", o.shadows, Nested(), "cast shadows; several times slower in software");
   VisitFields(visit, o.exposure);
@@ -123,7 +126,7 @@ void ReadOption(const OptionValue& node, CameraOptions& value);
 struct RigFrame {
   ExposedFrame left;                  ///< Or the only camera.
   std::optional<ExposedFrame> right;  ///< Stereo rigs only; of its truth, poses and sub-frames.
-  std::optional<Image> depth;         ///< CV_32FC1, m, of the left camera at mid-exposure, as measured.
+  std::optional<Image> depth;         ///< CV_32FC1, m, of the left camera at the stamp of its own, as measured.
 };
 
 /// The same before it is developed.
@@ -131,6 +134,7 @@ struct LatentRigFrame {
   LatentFrame left;
   std::optional<LatentFrame> right;
   std::optional<RandomStream> depth_noise;  ///< Of a depth camera.
+  cv::Mat own_depth;                        ///< True, of a depth camera with a place of its own.
   double exposure_ms = 0;                   ///< Of this frame.
 };
 
@@ -149,7 +153,7 @@ class CameraRig {
   int64_t FrameStamp(int64_t frame) const;
   /// The time that the motion record must cover to expose a frame of this stamp.
   /// With auto exposure, of the frame that is filmed next.
-  ShutterInterval Shutter(int64_t stamp_ns) const { return WholeShutter(exposure_, stamp_ns); }
+  ShutterInterval Shutter(int64_t stamp_ns) const;
 
   /// Renders what frame number `frame` needs, at FrameStamp(frame). Its noise depends on the seed and this number
   /// alone; auto exposure on what was filmed before.
@@ -169,12 +173,15 @@ class CameraRig {
  private:
   CameraModel MakeCamera() const;
   Pose X_LR() const;
+  int64_t DepthStamp(int64_t stamp_ns) const;
+  Image MeasuredDepth(const LatentRigFrame& latent, const ExposedFrame& left) const;
 
   CameraOptions options_;
   ExposureOptions exposure_;  ///< Of the next frame.
   std::optional<AutoExposure> auto_exposure_;
   uint64_t seed_;
   double light_level_;
+  std::optional<DepthMount> depth_mount_;
   std::vector<ExposingCamera> cameras_;  ///< Made when the first frame names the model.
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/core/units.h"
 #include "sim/camera/light.h"
 
@@ -176,6 +177,35 @@ cv::Mat TimeOfFlight(const cv::Mat& depth, const cv::Mat& rays, const cv::Mat& i
 }
 
 }  // namespace
+
+DepthMount DepthMount::Of(const DepthMountOptions& options, RandomStream errors) {
+  const auto three = [&](double sigma) {
+    const double x = errors.Normal(), y = errors.Normal();
+    return Eigen::Vector3d(sigma * Eigen::Vector3d(x, y, errors.Normal()));
+  };
+  const Pose X_LD(Eigen::Quaterniond::Identity(), {options.right_m, 0, 0});
+  const Eigen::Vector3d moved_m = three(options.error_m), turned_rad = three(kRadPerDeg * options.error_deg);
+  return {X_LD, X_LD * Pose(ExpSo3(turned_rad), moved_m)};
+}
+
+cv::Mat RegisterDepth(const cv::Mat& depth, const cv::Mat& rays, const CameraModel& camera, const Pose& X_LD) {
+  cv::Mat registered(depth.size(), CV_32FC1, cv::Scalar(0));
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      const double z = double(depth.at<float>(v, u));
+      if (!(z > 0)) continue;
+      const cv::Vec2f& ray = rays.at<cv::Vec2f>(v, u);
+      const Eigen::Vector3d p_L = X_LD * Eigen::Vector3d(z * double(ray[0]), z * double(ray[1]), z);
+      const std::optional<Eigen::Vector2d> at = camera.Project(p_L);
+      if (!at) continue;
+      const cv::Point pixel(int(std::lround(at->x())), int(std::lround(at->y())));
+      if (!cv::Rect({0, 0}, depth.size()).contains(pixel)) continue;
+      float& there = registered.at<float>(pixel);
+      if (there == 0 || float(p_L.z()) < there) there = float(p_L.z());
+    }
+  }
+  return registered;
+}
 
 DepthCalibration DepthDataSheet(DepthModel model) {
   const double rounding_m = kMillimetre / std::sqrt(12.0);

@@ -100,6 +100,13 @@ SceneInstant ExposingCamera::At(const MotionRecord& record, int64_t stamp_ns) {
   return CaptureInstant(model_, *data_, camera_id_, stamp_ns);
 }
 
+cv::Mat ExposingCamera::DepthFrom(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, const Pose& X_CD) {
+  const SceneInstant instant = At(record, stamp_ns);
+  renderer.Update(*data_);
+  renderer.Draw(*data_, instant.X_WC * X_CD, lens_->pinhole());
+  return lens_->Depth(renderer.ReadNearness());
+}
+
 /// Camera and robot; people may be many, and few of them are seen.
 SceneInstant ExposingCamera::AtWithoutPeople(const MotionRecord& record, int64_t stamp_ns) {
   record.EvaluateRobot(model_, stamp_ns, data_.get());

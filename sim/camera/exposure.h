@@ -119,6 +119,9 @@ class ExposingCamera {
     return Develop(Film(renderer, record, stamp_ns, truth, noise));
   }
 
+  /// True depth at one instant as a camera like this one sees it from X_CD beside it: CV_32FC1, m, 0 where nothing is.
+  cv::Mat DepthFrom(Renderer& renderer, const MotionRecord& record, int64_t stamp_ns, const Pose& X_CD);
+
   /// Of the frames that are filmed from now on.
   void SetExposure(double exposure_ms) { options_.exposure.exposure_ms = exposure_ms; }
   const ImageSensor& sensor() const { return sensor_; }

@@ -253,6 +253,47 @@ std::string Refusal(const CameraOptions& options) {
   return "";
 }
 
+TEST(CameraRig, ADepthCameraOfItsOwnLooksLaterAndIsRegistered) {
+  EglContext gl;
+  const MjModelPtr model = SpeckledRoom();
+  Renderer renderer(model.get());
+  CameraOptions options;
+  options.width_px = 160;
+  options.height_px = 120;
+  options.depth = true;
+  options.depth_mount = DepthMountOptions{0.025, 30, 0, 0};
+  CameraRig rig(options, 1);
+  const double forward_mps = 2;
+  const MotionRecord record =
+      RecordFlight(model.get(), ConstantTwist(LookingAlongX({-0.5, 0, 0.5}), {0, 0, forward_mps}, {0, 0, 0}), 0, 0.1);
+  const int64_t stamp_ns = rig.FrameStamp(0);
+  EXPECT_GE(rig.Shutter(stamp_ns).close_ns, stamp_ns + 30'000'000) << "the record must reach so far";
+  const RigFrame frame = rig.Expose(renderer, record, 0, {});
+  EXPECT_EQ(frame.depth->stamp_ns, frame.left.image.stamp_ns + 30'000'000);
+  // The wall straight ahead has come nearer by 2 m/s x 30 ms; it is flat, so that the place beside makes no difference.
+  const int row = 20, column = 80;
+  EXPECT_NEAR(frame.depth->pixels.at<float>(row, column), frame.left.truth.depth.at<float>(row, column) - 0.06, 2e-3);
+  EXPECT_NEAR(frame.left.truth.depth.at<float>(row, column), 2.49 - forward_mps * 1e-9 * double(stamp_ns), 2e-3)
+      << "the truth is the left camera's";
+
+  options.depth_mount = DepthMountOptions{0.025, 0, 0, 0};
+  const auto filmed = [&](uint64_t seed, double error_deg) {
+    options.depth_mount->error_deg = error_deg;
+    return CameraRig(options, seed).Expose(renderer, record, 0, {}).depth->pixels;
+  };
+  EXPECT_EQ(cv::norm(filmed(1, 0), filmed(2, 0), cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(filmed(1, 1), filmed(2, 1), cv::NORM_INF), 0) << "each rig errs in its own way";
+  EXPECT_EQ(cv::norm(filmed(1, 1), filmed(1, 1), cv::NORM_INF), 0);
+}
+
+TEST(CameraRig, RefusesAMountWithoutADepthCamera) {
+  CameraOptions options;
+  options.depth_mount.emplace();
+  EXPECT_THAT(Refusal(options), HasSubstr("camera.depth_mount: there is no depth camera to mount"));
+  options.depth = true;
+  EXPECT_EQ(Refusal(options), "");
+}
+
 TEST(CameraRig, RefusesAnExposureLongerThanTheFramePeriod) {
   CameraOptions options;
   options.rate_hz = 50;
