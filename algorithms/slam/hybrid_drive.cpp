@@ -136,7 +136,7 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
   constexpr double kBack_m = 0.3, kOn_m = 0.8;  // how far from where it was a frame ago it may be along the route
   along_m_ = route_.Nearest(X_FB.position, along_m_ - kBack_m, along_m_ + kOn_m);
   const double going_m = GoingStill(step.stamp_ns);
-  const double left_m = route_.length_m() - along_m_ - going_m;
+  const double left_m = route_.length_m() - along_m_;
   if (left_m <= kArrived_m) {
     if (!Doubts(step)) {
       command_ = EndWalk();
@@ -149,7 +149,7 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
   const double free_m = guard_.FreeWay([&](double ahead_m) { return route_.At(along_m_ + ahead_m).position; });
   const double allowed = std::min(SpeedBefore(free_m - going_m),
                                   guard_.SpeedAmongWalkers({kBrake_mps2, frame_s_ + options_.late_s, going_m}));
-  const double speed = std::min({options_.speed_mps, allowed, SpeedBefore(left_m) + 0.02});
+  const double speed = std::min({options_.speed_mps, allowed, SpeedBefore(left_m - going_m) + 0.02});
   if (speed >= 0.02) {
     waits_since_ns_.reset();
     command_ = Steer(X_FB, speed);
