@@ -82,7 +82,7 @@ double Value(const DriveComparison& comparison, const std::string& name) {
 
 }  // namespace
 
-ReportSection DriveReportSection(const DriveComparison& comparison, const TaughtDrive& drive) {
+ReportSection DriveReportSection(const DriveComparison& comparison, const TaughtDrive& drive, const std::string& film) {
   const auto value = [&](const char* name) { return Value(comparison, name); };
   ReportSection section;
   section.cards = internal::Card("Beside the taught way", value("drive_deviation_mean_m"), "m",
@@ -104,6 +104,12 @@ ReportSection DriveReportSection(const DriveComparison& comparison, const Taught
                                 {"bad", "goal"}},
                                "") +
                  Drawing(comparison, drive);
+  if (!film.empty()) {
+    section.body += fmt::format(
+        "<h3>Film of the drive, four times as fast</h3>\n<video controls muted loop playsinline preload=\"metadata\" "
+        "src=\"{}\"></video>\n",
+        internal::Escape(film));
+  }
   section.style = std::string(internal::PageFile("report_graph.css"));
   return section;
 }

@@ -11,7 +11,8 @@
 
 namespace gaitcam {
 
-ReportSection DriveReportSection(const DriveComparison& comparison, const TaughtDrive& drive);
+/// @param film its file beside the page; empty if there is none.
+ReportSection DriveReportSection(const DriveComparison& comparison, const TaughtDrive& drive, const std::string& film);
 
 /// A line for each frame: stamp_ns, state, confirmed, found, places, x_m, y_m (true), beside_m (from the taught way),
 /// person_m (to the nearest one); empty where unknown.

@@ -42,7 +42,7 @@ void DrawCaption(const VideoFrame& frame, cv::Mat bar) {
     return x + cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, nullptr).width;
   };
   const int after_time = put(fmt::format("{:7.2f} s", frame.time_s), margin, kText);
-  put(fmt::format("exposure {:g} ms", frame.exposure_ms), after_time + margin, kFaint);
+  if (frame.exposure_ms > 0) put(fmt::format("exposure {:g} ms", frame.exposure_ms), after_time + margin, kFaint);
   const int width = cv::getTextSize(frame.status, cv::FONT_HERSHEY_SIMPLEX, size, 1, nullptr).width;
   put(frame.status, bar.cols - margin - width, frame.alarm ? kAlarm : kText);
 }

@@ -19,7 +19,7 @@ struct VideoFrame {
   cv::Mat camera;     ///< The frame given to the SLAM system.
   cv::Mat bystander;  ///< Third-person view; empty: the camera's view stands alone.
   double time_s = 0;  ///< Since the run's begin.
-  double exposure_ms = 0;
+  double exposure_ms = 0;  ///< 0: nothing is said of it.
   std::string status;  ///< A word or two, such as "tracking, 213 inliers"; ASCII.
   bool alarm = false;  ///< Status in a warning colour: lost, fallen.
 };

@@ -76,11 +76,14 @@ std::vector<DrivenStep> DrivenSteps(const TaughtDrive& drive, const DriveTruth& 
   for (int s = 0; s < int(drive.steps.size()); ++s) {
     const int64_t stamp_ns = drive.steps[size_t(s)].stamp_ns;
     const std::optional<Pose> pose = PoseAt(truth.driven, stamp_ns);
-    DrivenStep step{Vector2d::Constant(kNaN), kNaN, kNaN, kNaN, kNaN, false, kNaN};
+    DrivenStep step;
     const int route = RouteAt(drive, s);
     if (pose) {
-      step.at_m = Floor(*pose, drive.X_BC);
-      step.person_m = NearestPerson(step.at_m, truth.people(stamp_ns), options);
+      const PlanarPose X_WB(*pose * drive.X_BC.Inverse());
+      step.at_m = X_WB.position;
+      step.heading_rad = X_WB.heading;
+      step.people_m = truth.people(stamp_ns);
+      step.person_m = NearestPerson(step.at_m, step.people_m, options);
     }
     const DriveStep& said = drive.steps[size_t(s)];
     if (pose && !truth.taught.empty() && said.state != DriveState::kSearching) {

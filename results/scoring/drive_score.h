@@ -15,6 +15,7 @@
 #include "algorithms/core/fields.h"
 #include "algorithms/core/taught_drive.h"
 #include "algorithms/core/trajectory.h"
+#include "algorithms/core/units.h"
 #include "results/scoring/metric.h"
 
 namespace gaitcam {
@@ -52,13 +53,15 @@ struct DriveTruth {
 
 /// A step of TaughtDrive::steps, as it truly was. All NaN where there is no truth.
 struct DrivenStep {
-  Eigen::Vector2d at_m = Eigen::Vector2d::Zero();
-  double moved_m = 0;    ///< Since the step before.
-  double elapsed_s = 0;  ///< Likewise.
-  double beside_m = 0;   ///< From the taught way; NaN without a route, or where the taught way is not known.
-  double error_m = 0;    ///< Of where it believed to be; NaN where it knew nothing, or the taught way is not known.
-  bool carried = false;  ///< Since the step before, in part at least: what it moved is none of its own.
-  double person_m = 0;   ///< To the nearest person, surface to surface; NaN if there is nobody.
+  Eigen::Vector2d at_m = Eigen::Vector2d::Constant(kNaN);
+  double heading_rad = kNaN;
+  double moved_m = kNaN;    ///< Since the step before.
+  double elapsed_s = kNaN;  ///< Likewise.
+  double beside_m = kNaN;   ///< From the taught way; NaN without a route, or where the taught way is not known.
+  double error_m = kNaN;    ///< Of where it believed to be; NaN where it knew nothing, or the taught way is not known.
+  bool carried = false;     ///< Since the step before, in part at least: what it moved is none of its own.
+  double person_m = kNaN;   ///< To the nearest person, surface to surface; NaN if there is nobody.
+  std::vector<Eigen::Vector2d> people_m;  ///< Where everybody is.
 };
 
 /// The nearest that the robot and a person came, surface to surface; less than 0 is a touch.

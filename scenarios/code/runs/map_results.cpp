@@ -14,6 +14,7 @@
 #include "algorithms/io/route_map_file.h"
 #include "algorithms/io/trajectory_file.h"
 #include "algorithms/io/whole_file.h"
+#include "results/reports/drive_film.h"
 #include "results/reports/report_drive.h"
 #include "results/reports/report_graph.h"
 #include "results/reports/report_map.h"
@@ -120,10 +121,14 @@ MapResult ResultOf(const TaughtDrive& map, const MapContext& context) {
       CompareDrive(map, {context.truth, context.taught, context.people, context.carried}));
   MapResult result;
   result.scores = comparison->scores;
-  result.write = [comparison, &map](const fs::path& folder) {
+  const bool films = context.films;
+  result.write = [comparison, &map, films](const fs::path& folder) {
     WriteWholeFile(folder / "drive.csv", DriveCsv(map, *comparison));
+    if (films) WriteDriveFilm(folder / kDriveFilmName, map, *comparison);
   };
-  result.section = [comparison, &map] { return DriveReportSection(*comparison, map); };
+  result.section = [comparison, &map, films] {
+    return DriveReportSection(*comparison, map, films ? kDriveFilmName : "");
+  };
   return result;
 }
 

@@ -29,6 +29,7 @@ struct MapContext {
   PeopleAt people;
   std::optional<CarriedSpan> carried;
   PlaceGraphScoreOptions places;  ///< When its loops are right.
+  bool films = false;             ///< Whether the run makes films.
 };
 
 /// The middle of each person's body, seen from above.
@@ -56,7 +57,7 @@ inline constexpr const char* kTaughtName = "taught.txt";
 
 /// route.map and, of several sessions, taught.txt.
 MapResult ResultOf(const RouteMap& map, const MapContext& context);
-/// drive.csv.
+/// drive.csv and, if the run makes films, drive.mp4.
 MapResult ResultOf(const TaughtDrive& map, const MapContext& context);
 
 /// graph.g2o.

@@ -53,8 +53,9 @@ RunScores ScoreRun(const Estimate& estimate, const Trajectory& truth, const std:
   try {
     Scores scores = ScorePoses(estimate, truth, frame_stamps, options);
     const Trajectory taught = TaughtTruth(resolved);
-    run.maps = ResultsOf(estimate.maps, {resolved.scene, truth, taught, scores, people, CarriedIn(resolved.scenario),
-                                         options.places.value_or(PlaceGraphScoreOptions())});
+    run.maps =
+        ResultsOf(estimate.maps, {resolved.scene, truth, taught, scores, people, CarriedIn(resolved.scenario),
+                                  options.places.value_or(PlaceGraphScoreOptions()), resolved.scenario.video.enabled});
     for (const MapResult& map : run.maps) {
       scores.scores.insert(scores.scores.end(), map.scores.begin(), map.scores.end());
     }
