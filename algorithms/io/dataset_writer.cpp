@@ -69,6 +69,9 @@ class PendingFolder {
   void Name() {
     std::error_code error;
     fs::rename(path_, wanted_, error);
+    if (error == std::errc::directory_not_empty || error == std::errc::file_exists) {
+      throw BadInput(wanted_.string() + ": another process has made it meanwhile; remove it or choose another name");
+    }
     if (error) throw MissingResource(wanted_.string() + ": cannot name this folder: " + error.message());
     named_ = true;
   }
