@@ -65,9 +65,13 @@ class PendingFolder {
   PendingFolder& operator=(const PendingFolder&) = delete;
 
   const fs::path& path() const { return path_; }
+  const fs::path& wanted() const { return wanted_; }
   void Name() {
     std::error_code error;
     fs::rename(path_, wanted_, error);
+    if (error == std::errc::directory_not_empty || error == std::errc::file_exists) {
+      throw BadInput(wanted_.string() + ": another process has made it meanwhile; remove it or choose another name");
+    }
     if (error) throw MissingResource(wanted_.string() + ": cannot name this folder: " + error.message());
     named_ = true;
   }
@@ -203,6 +207,18 @@ const char* const kTruthText =
     "groundtruth.csv (if there): the poses of groundtruth.txt as VSLAM-LAB has them.\n"
     "Frames: {}. Recording: {}.\n";
 
+/// In the truth's folder, with the name of the process behind it, until the sensors' folder has its name.
+const std::string kHalfNamed = ".half-named-";
+
+/// What a process left that was killed between the two names.
+const DatasetFolders& WithoutHalfNamed(const DatasetFolders& folders) {
+  if (!HoldsAbandoned(folders.truth, kHalfNamed)) return folders;
+  std::error_code ignored;
+  fs::remove_all(folders.sensors, ignored);
+  fs::remove_all(folders.truth, ignored);
+  return folders;
+}
+
 /// The part that no SLAM system is given.
 class TruthFiles {
  public:
@@ -248,9 +264,16 @@ class TruthFiles {
       if (*files) (*files)->Close();
     }
     WriteText(folder_.path() / "about.txt", fmt::format(fmt::runtime(kTruthText), frames, ending));
+    WriteText(folder_.path() / (kHalfNamed + NameOfProcess()), "");
     folder_.Name();
   }
-  void Keep() { folder_.Keep(); }
+  void AddText(const std::string& name, const std::string& text) const { WriteText(folder_.path() / name, text); }
+  /// The sensors' folder has its name, too.
+  void Keep() {
+    std::error_code ignored;
+    fs::remove(folder_.wanted() / (kHalfNamed + NameOfProcess()), ignored);
+    folder_.Keep();
+  }
 
  private:
   /// The table in which the layout keeps its truth.
@@ -303,6 +326,9 @@ class DatasetWriter::Files {
   void Add(const Observation& observation, const std::optional<FilmedTruth>& truth);
   void Finish(const std::string& ending);
   int64_t frames() const { return frames_; }
+
+  /// Made when it is first needed.
+  TruthFiles& Truth();
 
  private:
   void CheckOptions() const;
@@ -362,6 +388,11 @@ DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& ca
                       "# the body as its wheels or legs reckon it, where it stood at first: m, m, rad (not wrapped)\n"
                       "#stamp_ns,x_m,y_m,heading_rad");
   }
+}
+
+TruthFiles& DatasetWriter::Files::Truth() {
+  if (!truth_) truth_.emplace(folders_.truth, folder_.path(), calibration_, options_);
+  return *truth_;
 }
 
 void DatasetWriter::Files::CheckOptions() const {
@@ -485,8 +516,7 @@ void DatasetWriter::Files::Add(const Observation& o, const std::optional<FilmedT
   exposures_.Row(fmt::format("{},{},{},{}", o.stamp_ns, ExactText(o.exposure_ms), o.imu.size(), o.joints.size()) +
                  (odometry_ ? fmt::format(",{}", o.odometry.size()) : ""));
   if (truth) {
-    if (!truth_) truth_.emplace(folders_.truth, folder_.path(), calibration_, options_);
-    truth_->Add(o.stamp_ns, *truth, jobs_);
+    Truth().Add(o.stamp_ns, *truth, jobs_);
     AddTrueDepth(*truth, o.stamp_ns);
   }
   last_stamp_ns_ = o.stamp_ns;
@@ -525,12 +555,16 @@ std::string DatasetWriter::Files::About(const std::string& ending) const {
 
 DatasetWriter::DatasetWriter(const DatasetFolders& folders, const Calibration& calibration,
                              const DatasetWriterOptions& options)
-    : files_(std::make_unique<Files>(folders, calibration, options)) {}
+    : files_(std::make_unique<Files>(WithoutHalfNamed(folders), calibration, options)) {}
 
 DatasetWriter::~DatasetWriter() = default;
 
 void DatasetWriter::Add(const Observation& observation, const std::optional<FilmedTruth>& truth) {
   files_->Add(observation, truth);
+}
+
+void DatasetWriter::AddToTruth(const std::string& name, const std::string& text) {
+  files_->Truth().AddText(name, text);
 }
 
 void DatasetWriter::Finish(const std::string& ending) { files_->Finish(ending); }

@@ -24,7 +24,8 @@ struct DatasetWriterOptions {
   int threads = 2;          ///< That encode and write images beside the caller's; 0: Add() does it all. Same bytes.
 };
 
-/// Nothing has its final name before Finish(): an abandoned recording leaves nothing behind.
+/// Nothing has its final name before Finish(): an abandoned recording leaves nothing behind. Where a process is killed
+/// between the names of the two folders, a mark in the truth's tells the next writer, which removes them.
 ///
 /// Images are encoded on threads of the writer's own: pixels must not be altered after they were added.
 class DatasetWriter {
@@ -39,6 +40,9 @@ class DatasetWriter {
   /// @throws BadInput if the observation is not what the calibration says (image size, a missing right image or depth);
   /// MissingResource if the disk is full, at the latest in Finish().
   void Add(const Observation& observation, const std::optional<FilmedTruth>& truth);
+
+  /// A file of this text beside the truth. @throws MissingResource.
+  void AddToTruth(const std::string& name, const std::string& text);
 
   /// Gives the folders their names. @param ending how the recording ended, for about.txt: "finished", "fell at 3.2 s".
   void Finish(const std::string& ending);

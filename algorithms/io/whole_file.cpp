@@ -62,7 +62,9 @@ fs::path UnfinishedNameFor(const fs::path& wanted) {
   return wanted.parent_path() / (UnfinishedPrefix(wanted) + NameOfProcess());
 }
 
-void RemoveAbandoned(const fs::path& folder, const std::string& prefix) {
+namespace {
+
+std::vector<fs::path> Abandoned(const fs::path& folder, const std::string& prefix) {
   std::error_code error;
   std::vector<fs::path> abandoned;
   for (const auto& item : fs::directory_iterator(folder, error)) {
@@ -71,8 +73,17 @@ void RemoveAbandoned(const fs::path& folder, const std::string& prefix) {
       abandoned.push_back(item.path());
     }
   }
-  for (const fs::path& path : abandoned) fs::remove_all(path, error);
+  return abandoned;
 }
+
+}  // namespace
+
+void RemoveAbandoned(const fs::path& folder, const std::string& prefix) {
+  std::error_code error;
+  for (const fs::path& path : Abandoned(folder, prefix)) fs::remove_all(path, error);
+}
+
+bool HoldsAbandoned(const fs::path& folder, const std::string& prefix) { return !Abandoned(folder, prefix).empty(); }
 
 void RemoveAbandoned(const fs::path& wanted) {
   RemoveAbandoned(wanted.has_parent_path() ? wanted.parent_path() : ".", UnfinishedPrefix(wanted));

@@ -22,6 +22,9 @@ std::string NameOfProcess();
 /// more, and perhaps "-" and something behind it.
 void RemoveAbandoned(const std::filesystem::path& folder, const std::string& prefix);
 
+/// Whether there is one of those.
+bool HoldsAbandoned(const std::filesystem::path& folder, const std::string& prefix);
+
 /// Those that were to become `wanted`.
 void RemoveAbandoned(const std::filesystem::path& wanted);
 

@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 
+#include "tests/faults/inputs.h"
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
 
@@ -32,39 +33,6 @@ const std::vector<Verb>& Verbs() {
       {"run", "run walk.yaml --out done", "done/scores.json", true},
   };
   return verbs;
-}
-
-void WriteInputs(const fs::path& folder) {
-  std::ofstream truth(folder / "truth.txt"), estimate(folder / "estimate.txt");
-  for (int i = 0; i < 40; ++i) {
-    truth << 1 + 0.1 * i << " " << 0.1 * i << " " << std::sin(0.2 * i) << " 0 0 0 0 1\n";
-    estimate << 1 + 0.1 * i << " " << 0.101 * i << " " << std::sin(0.2 * i) << " 0.01 0 0 0 1\n";
-  }
-  std::ofstream(folder / "walk.yaml") << "robot: omni_base\nscene: lab\nduration_s: 1.2\n"
-                                         "camera: {width_px: 160, height_px: 120, rate_hz: 10, exposure_ms: 5,\n"
-                                         "  stereo: {baseline_m: 0.2}}\n"
-                                         "video: {enabled: false}\nsystem: stereo_vo\n";
-}
-
-/// Every file below a folder that a user would see, with what is in it; hidden ones by name alone.
-std::map<std::string, std::string> FilesBelow(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& item : fs::recursive_directory_iterator(folder)) {
-    if (item.is_regular_file()) files[item.path().lexically_relative(folder).string()] = ReadText(item.path());
-  }
-  return files;
-}
-
-/// Names of files that are not in both as they are in the other, on a line each.
-std::string Changed(const std::map<std::string, std::string>& before, const std::map<std::string, std::string>& after) {
-  std::string changed;
-  for (const auto& [name, content] : before) {
-    if (after.count(name) == 0 || after.at(name) != content) changed += name + "\n";
-  }
-  for (const auto& [name, content] : after) {
-    if (before.count(name) == 0) changed += name + "\n";
-  }
-  return changed;
 }
 
 /// But for the memory that was used.

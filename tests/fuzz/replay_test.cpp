@@ -77,6 +77,12 @@ std::string Mishap(const std::string& bytes, RandomStream& random) {
   }
 }
 
+std::vector<FuzzReader> AllFuzzReaders() {
+  std::vector<FuzzReader> readers = FuzzReaders();
+  for (FuzzReader& reader : ScenarioFuzzReaders()) readers.push_back(std::move(reader));
+  return readers;
+}
+
 class FuzzReplay : public testing::TestWithParam<FuzzReader> {};
 
 TEST_P(FuzzReplay, AnswersItsCorpus) {
@@ -98,7 +104,7 @@ TEST_P(FuzzReplay, AnswersMishaps) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, FuzzReplay, testing::ValuesIn(FuzzReaders()),
+INSTANTIATE_TEST_SUITE_P(Of, FuzzReplay, testing::ValuesIn(AllFuzzReaders()),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

@@ -1,12 +1,14 @@
 // A library to preload into a program: the n-th call of one kind fails, as on a full disk, without descriptors, without
 // memory. Told by the environment:
-//   GAITCAM_FAIL=KIND:N[:all]   KIND is open, read, write, rename, mkdir or mmap; all: every call from the n-th on
+//   GAITCAM_FAIL=KIND:N[:all|:kill]   KIND is open, read, write, rename, mkdir or mmap; all: every call from the n-th
+//                                     on; kill: instead of the call the program is killed
 //   GAITCAM_FAIL_HIT=FILE       made when a call has failed
 // Only what the program and its libraries call by name is seen, not what the C library calls within itself, and only
 // from main() on.
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -25,7 +27,7 @@ namespace {
 struct Plan {
   char kind[16] = "";
   long nth = 0;
-  bool all = false;
+  bool all = false, kills = false;
   const char* hit = nullptr;
 
   Plan() {
@@ -34,6 +36,7 @@ struct Plan {
     char more[8] = "";
     std::sscanf(text, "%15[a-z]:%ld:%7[a-z]", kind, &nth, more);
     all = std::strcmp(more, "all") == 0;
+    kills = std::strcmp(more, "kill") == 0;
     hit = std::getenv("GAITCAM_FAIL_HIT");
   }
 };
@@ -58,6 +61,7 @@ bool Fails(const char* kind, int error) {
     const long file = syscall(SYS_openat, AT_FDCWD, plan.hit, O_CREAT | O_WRONLY, 0600);
     if (file >= 0) syscall(SYS_close, file);
   }
+  if (plan.kills) kill(getpid(), SIGKILL);
   errno = error;
   return true;
 }

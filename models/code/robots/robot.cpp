@@ -7,6 +7,7 @@
 
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_names.h"
 #include "models/code/robots/robot_urdf.h"
 #include "models/code/yaml/yaml_reader.h"
 
@@ -340,7 +341,7 @@ std::vector<std::string> ListRobots(const std::filesystem::path& models_folder) 
 
 Robot ReadRobot(const std::string& name_or_path, const std::filesystem::path& models_folder) {
   const std::filesystem::path shipped = models_folder / "robots" / name_or_path / (name_or_path + ".yaml");
-  if (name_or_path.find('/') == std::string::npos && std::filesystem::is_regular_file(shipped)) {
+  if (name_or_path.find('/') == std::string::npos && IsFile(shipped)) {
     return RobotBuilder(shipped).Build();
   }
   const std::filesystem::path path(name_or_path);

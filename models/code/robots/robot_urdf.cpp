@@ -14,6 +14,7 @@
 
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_names.h"
 
 namespace gaitcam {
 namespace {
@@ -278,7 +279,7 @@ class UrdfReader {
     if (name.rfind("package://", 0) == 0) {
       const std::string rest = name.substr(10), inside = rest.substr(std::min(rest.size(), rest.find('/') + 1));
       for (auto at = folder; found.empty() && at != at.root_path(); at = at.parent_path()) {
-        if (std::filesystem::is_regular_file(at / inside)) found = at / inside;
+        if (IsFile(at / inside)) found = at / inside;
         if (at.filename() == rest.substr(0, rest.find('/'))) break;
       }
       if (found.empty()) found = folder / inside;
@@ -286,8 +287,7 @@ class UrdfReader {
       found = folder / (name.rfind("file://", 0) == 0 ? name.substr(7) : name);
     }
     const std::string what = "link \"" + link + "\": mesh \"" + name + "\"";
-    if (!std::filesystem::is_regular_file(found))
-      Fail(element, what + " is not there; expected a file " + found.string());
+    if (!IsFile(found)) Fail(element, what + " is not there; expected a file " + found.string());
     std::string extension = found.extension().string();
     for (char& c : extension) c = char(std::tolower(c));
     if (extension != ".stl" && extension != ".obj") Fail(element, what + ": expected a file of type .stl or .obj");

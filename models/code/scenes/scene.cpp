@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "algorithms/core/did_you_mean.h"
+#include "algorithms/core/file_names.h"
 #include "algorithms/core/random.h"
 #include "models/code/scenes/scene_builder.h"
 #include "models/code/scenes/scene_file.h"
@@ -16,7 +17,7 @@ std::filesystem::path FindSceneFile(const std::string& name_or_path, const std::
   const std::filesystem::path path(name_or_path);
   if (path.has_parent_path() || path.extension() == ".yaml" || path.extension() == ".yml") return path;
   const std::filesystem::path shipped = models_folder / "scenes" / (name_or_path + ".yaml");
-  if (std::filesystem::is_regular_file(shipped)) return shipped;
+  if (IsFile(shipped)) return shipped;
   const std::vector<std::string> scenes = ListScenes(models_folder);
   throw BadInput(
       "scene \"" + name_or_path + "\": no such scene; " +
@@ -28,10 +29,10 @@ constexpr size_t kMostBases = 8;
 std::filesystem::path FindBase(const OptionValue& key, const std::string& base,
                                const std::filesystem::path& models_folder) {
   const std::filesystem::path beside = key.folder() / base;
-  if (std::filesystem::is_regular_file(beside)) return beside;
+  if (IsFile(beside)) return beside;
   try {
     const std::filesystem::path file = FindSceneFile(base, models_folder);
-    if (std::filesystem::is_regular_file(file)) return file;
+    if (IsFile(file)) return file;
   } catch (const BadInput& e) {
     key.Fail(e.what());
   }

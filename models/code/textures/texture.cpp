@@ -3,6 +3,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
+#include "algorithms/core/file_names.h"
 #include "models/code/textures/floor_textures.h"
 #include "models/code/textures/picture_textures.h"
 #include "models/code/textures/room_textures.h"
@@ -74,7 +75,7 @@ cv::Size PixelSize(const TextureOptions& o, int step) {
 cv::Mat ReadImageFile(const TextureOptions& o, const std::filesystem::path& folder) {
   if (o.file.empty()) throw BadInput("file: missing; a texture of kind image needs the name of a picture file");
   const std::filesystem::path path = PictureFile(o, folder);
-  if (!std::filesystem::is_regular_file(path)) throw BadInput("file: " + path.string() + ": no such picture file");
+  if (!IsFile(path)) throw BadInput("file: " + path.string() + ": no such picture file");
   cv::Mat image = cv::imread(path.string(), cv::IMREAD_COLOR);
   if (image.empty()) throw BadInput("file: " + path.string() + ": not a picture that can be read (PNG, JPEG, ...)");
   return image;

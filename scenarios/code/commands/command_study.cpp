@@ -26,6 +26,7 @@ constexpr const char* kFiles[] = {"study.yaml", "runs.csv", "timings.csv", "summ
 /// The folder of an earlier call of this or another study, or a new one.
 void PrepareFolder(const fs::path& out, const std::string& study_text) {
   std::error_code error;
+  for (const char* name : kFiles) RemoveAbandoned(out / name);
   if (fs::exists(out) && !(fs::is_directory(out) && (fs::is_empty(out, error) || fs::exists(out / kMarker)))) {
     throw BadInput("--out " + out.string() + ": exists and holds something else (no " + kMarker +
                    " in it); name another folder or remove it");

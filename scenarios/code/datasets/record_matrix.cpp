@@ -102,11 +102,13 @@ std::string WordsOf(const MatrixChanges& changes) {
 
 void PrepareFolder(const fs::path& out) {
   std::error_code error;
-  if (fs::exists(out) && !(fs::is_directory(out) && (fs::is_empty(out, error) || fs::exists(out / kMarker)))) {
+  // A process that was killed early has left the second alone.
+  const auto is_ours = [&] { return fs::exists(out / kMarker) || fs::exists(WorkFolder(out)); };
+  if (fs::exists(out) && !(fs::is_directory(out) && (fs::is_empty(out, error) || is_ours()))) {
     throw BadInput("--out " + out.string() + ": exists and holds something else (no " + kMarker +
                    " in it); name another folder or remove it");
   }
-  for (const fs::path& folder : {out / "sequences", WorkFolder(out)}) {
+  for (const fs::path& folder : {WorkFolder(out), out / "sequences"}) {
     fs::create_directories(folder, error);
     if (error) throw MissingResource("cannot create the folder " + folder.string() + ": " + error.message());
   }

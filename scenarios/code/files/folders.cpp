@@ -5,6 +5,7 @@
 
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_names.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -37,10 +38,10 @@ std::vector<std::string> ShippedNames(const std::string& folder) {
 }
 
 fs::path UsersOrShipped(const fs::path& named, const std::vector<std::string>& folders) {
-  if (named.empty() || named.is_absolute() || fs::exists(named)) return named;
+  if (named.empty() || named.is_absolute() || IsThere(named)) return named;
   if (named.has_extension() || named.has_parent_path()) {
     const fs::path shipped = DataFolder() / named;
-    return named.begin()->string() == "scenarios" && fs::is_regular_file(shipped) ? shipped : named;
+    return named.begin()->string() == "scenarios" && IsFile(shipped) ? shipped : named;
   }
   std::vector<std::string> known;
   for (const std::string& folder : folders) {

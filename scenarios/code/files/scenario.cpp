@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "algorithms/core/file_names.h"
 #include "algorithms/core/units.h"
 #include "algorithms/geometry/stereo_reconstruction.h"
 #include "algorithms/io/checksum.h"
@@ -28,7 +29,7 @@ std::string ResolvePath(const std::string& name_or_path, const fs::path& folder)
   const bool is_path = name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".yaml");
   if (!is_path || fs::path(name_or_path).is_absolute()) return name_or_path;
   const fs::path beside = folder / name_or_path;
-  return fs::exists(beside) ? fs::absolute(beside).lexically_normal().string() : name_or_path;
+  return IsThere(beside) ? fs::absolute(beside).lexically_normal().string() : name_or_path;
 }
 
 /// What was read before, if there is a shelf.
@@ -202,9 +203,9 @@ void ReadMap(const OptionValue& root, ResolvedScenario& resolved) {
   const OptionValue node = root.Child("map");
   if (use == MapUse::kNone) node.Fail(scenario.system.name + " takes no map; hybrid_drive and hybrid_slam do");
   fs::path file = *scenario.map;
-  if (file.is_relative() && !fs::exists(file)) file = root.folder() / file;
-  if (fs::is_directory(file)) file /= kRouteMapName;
-  if (!fs::exists(file))
+  if (file.is_relative() && !IsThere(file)) file = root.folder() / file;
+  if (IsFolder(file)) file /= kRouteMapName;
+  if (!IsThere(file))
     node.Fail("there is no map " + file.string() + "; expected the folder of a run that learned one, or its route.map");
   resolved.map_file = fs::absolute(file).lexically_normal();
   scenario.map = resolved.map_file.string();

@@ -47,7 +47,7 @@ void OutputFolder::WriteText(const std::string& name, const std::string& text) c
 
 void OutputFolder::Commit() {
   std::error_code error;
-  const fs::path aside = temporary_.string() + ".old";
+  const fs::path aside = temporary_.string() + "-old";  // a name that RemoveAbandoned knows
   if (fs::exists(wanted_)) fs::rename(wanted_, aside, error);
   if (!error) fs::rename(temporary_, wanted_, error);
   if (error) throw MissingResource("cannot move the results to " + wanted_.string() + ": " + error.message());

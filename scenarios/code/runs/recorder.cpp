@@ -14,13 +14,14 @@ namespace {
 
 /// What the recording was made from.
 /// @param truth null: the calibration that the sensors' folder has is the true one
-void WriteRecipe(const ResolvedScenario& resolved, const Calibration* truth, const DatasetFolders& folders) {
-  WriteWholeFile(folders.truth / "scenario.yaml", resolved.ToYaml());
+void WriteRecipe(const ResolvedScenario& resolved, const Calibration* truth, const DatasetFolders& folders,
+                 DatasetWriter& writer) {
+  writer.AddToTruth("scenario.yaml", resolved.ToYaml());
   if (!truth) return;
-  WriteWholeFile(TrueCalibrationFileOf(folders), CalibrationText(*truth));
+  writer.AddToTruth(TrueCalibrationFileOf(folders).filename().string(), CalibrationText(*truth));
   std::string drawn;
   for (const auto& [name, value] : CalibrationErrorFacts(resolved)) drawn += name + ": " + value + "\n";
-  WriteWholeFile(folders.truth / "calibration_error.yaml", drawn);
+  writer.AddToTruth("calibration_error.yaml", drawn);
 }
 
 }  // namespace
@@ -60,13 +61,8 @@ RecordOutcome RecordScenario(const ResolvedScenario& resolved, const DatasetFold
   outcome.distance_m = simulation.distance_m();
   outcome.frames = writer.frames();
   outcome.renderer = simulation.gl().info();
+  WriteRecipe(resolved, errs ? &simulation.calibration() : nullptr, folders, writer);
   writer.Finish(fmt::format("{} at {:.3f} s", outcome.status, outcome.end_time_s));
-  try {
-    WriteRecipe(resolved, errs ? &simulation.calibration() : nullptr, folders);
-  } catch (...) {
-    RemoveRecording(folders);
-    throw;
-  }
   return outcome;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "algorithms/core/errors.h"
+#include "scenarios/code/systems/foreign_words.h"
 
 namespace gaitcam {
 
@@ -39,9 +40,9 @@ void TrackingThread::Run() {
                             double(std::max<size_t>(1, estimate_.track_ms.size()));
     for (double& ms : estimate_.track_ms) ms += share_ms;  // Finish() works on all frames
     estimate_.maps = std::move(last.maps);
-    estimate_.failure = std::move(last.failure);
+    estimate_.failure = ForeignWords(last.failure);
     estimate_.keyframes_only = last.keyframes_only;
-    estimate_.remarks = std::move(last.remarks);
+    for (const std::string& remark : last.remarks) estimate_.remarks.push_back(ForeignWords(remark));
   } catch (...) {
     failure_ = std::current_exception();
     queue_.Close();

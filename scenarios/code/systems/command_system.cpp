@@ -11,6 +11,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/dataset_writer.h"
 #include "algorithms/io/trajectory_file.h"
+#include "scenarios/code/systems/foreign_words.h"
 #include "scenarios/code/systems/private_folder.h"
 #include "scenarios/code/systems/sandbox.h"
 #include "scenarios/code/systems/subprocess.h"
@@ -48,6 +49,21 @@ class CommandSystem::Dataset {
 };
 
 namespace {
+
+/// A link may lead to what the program itself could not see, as the truth; a pipe or a device may never end.
+bool IsItsOwnFile(const fs::path& file) {
+  std::error_code ignored;
+  return fs::is_regular_file(fs::symlink_status(file, ignored));
+}
+
+/// @throws BadInput.
+void CheckDistances(const Trajectory& trajectory) {
+  for (const StampedPose& pose : trajectory) {
+    if (pose.pose.translation.norm() <= kMaxForeignDistance_m) continue;
+    throw BadInput(fmt::format("the pose at {:.9f} s is further away than {:g} m", double(pose.stamp_ns) * 1e-9,
+                               kMaxForeignDistance_m));
+  }
+}
 
 void Replace(std::string& text, const std::string& what, const std::string& with) {
   for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size()) {
@@ -154,7 +170,9 @@ std::vector<std::string> CommandSystem::Words() const {
 std::vector<FrameEstimate> CommandSystem::Run() {
   std::optional<Ending> ending;
   {
-    Subprocess program(Words(), SubprocessStreams{dataset_->log(), -1, -1, dataset_->answers()});
+    Subprocess program(
+        Words(), SubprocessStreams{
+                     .log = dataset_->log(), .folder = dataset_->answers(), .max_file_bytes = kMaxForeignFile_bytes});
     ending = program.Wait(command_.time_limit_s);
   }
   std::error_code ignored;
@@ -172,7 +190,7 @@ std::vector<FrameEstimate> CommandSystem::Run() {
 
 void CommandSystem::ReadAnswer() {
   const bool key_frames = command_.interface == CommandInterface::kVslamlab;
-  if (!key_frames && !fs::exists(dataset_->output())) {
+  if (!key_frames && !IsItsOwnFile(dataset_->output())) {
     failure_ = "wrote no trajectory to {output}";
     return;
   }
@@ -180,12 +198,14 @@ void CommandSystem::ReadAnswer() {
     if (key_frames) {
       const TrajectoryFile keyframes = ReadKeyFrames(dataset_->answers());
       remarks_ = keyframes.remarks;
+      CheckDistances(keyframes.trajectory);
       PlaceByStamp(keyframes.trajectory, HalfInterval(frames_), frames_);
       return;
     }
     TrajectoryFile written = ReadTrajectory(dataset_->output(), command_.format, {}, StampOrder::kRepaired);
     for (std::string& remark : written.remarks) Replace(remark, dataset_->output().string(), "{output}");
     remarks_ = std::move(written.remarks);
+    CheckDistances(written.trajectory);
     if (command_.format == TrajectoryFormat::kKitti) {
       failure_ = PlaceByRow(written.trajectory, frames_);
     } else {
@@ -228,7 +248,7 @@ fs::path FindKeyFrames(const fs::path& output) {
   std::vector<fs::path> found;
   for (const auto& entry : fs::recursive_directory_iterator(output)) {
     const bool is_named = entry.path().filename().string().find("KeyFrameTrajectory") != std::string::npos;
-    if (entry.is_regular_file() && is_named) found.push_back(entry.path());
+    if (is_named && IsItsOwnFile(entry.path())) found.push_back(entry.path());
   }
   if (found.size() == 1) return found.front();
   throw BadInput(fmt::format("{} files named ...KeyFrameTrajectory... in its exp_folder; expected one", found.size()));
@@ -248,6 +268,12 @@ std::vector<double> RowNumbers(std::string row, std::string& stamp) {
     numbers.push_back(number);
   }
   return numbers;
+}
+
+/// Whether it is a time that StampOf can tell: in seconds until the year 2255, in nanoseconds from 1970 on.
+bool IsStamp(double number) {
+  constexpr double kMaxSeconds = 9e9, kMinNanoseconds = 1e14, kMaxNanoseconds = 9e18;
+  return std::abs(number) < kMaxSeconds || (number >= kMinNanoseconds && number < kMaxNanoseconds);
 }
 
 /// Of "1700000000.02" in seconds, or "1700000000020000000": whole numbers that long are nanoseconds.
@@ -276,7 +302,8 @@ TrajectoryFile ReadKeyFrames(const fs::path& output) {
     ++line;
     const std::vector<double> v = RowNumbers(row, stamp);
     if (v.empty()) continue;
-    const bool is_pose = v.size() == 8 && std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
+    const bool is_pose =
+        v.size() == 8 && IsStamp(v[0]) && std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
     const Eigen::Quaterniond q = is_pose ? Eigen::Quaterniond(v[7], v[4], v[5], v[6]) : Eigen::Quaterniond(0, 0, 0, 0);
     if (!(std::abs(q.norm() - 1) < 1e-2)) {
       throw BadInput(fmt::format("{}:{}: expected t x y z qx qy qz qw", file.filename().string(), line));

@@ -1,31 +1,21 @@
 #include "scenarios/code/systems/frame_protocol.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "algorithms/core/errors.h"
+#include "scenarios/code/systems/foreign_words.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-size_t ColourBytes(const CameraModel& camera) { return 3 * size_t(camera.width_px) * size_t(camera.height_px); }
-
-size_t BytesOf(const Calibration& calibration) {
-  return ColourBytes(calibration.camera) + (calibration.right ? ColourBytes(*calibration.right) : 0) +
-         (calibration.has_depth ? sizeof(float) * ColourBytes(calibration.camera) / 3 : 0);
-}
-
-[[noreturn]] void FailOn(const fs::path& file) { throw MissingResource(file.string() + ": " + std::strerror(errno)); }
 
 Json JsonOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -82,6 +72,29 @@ Json JsonOf(const Calibration& c) {
   return json;
 }
 
+/// A whole number that fits. Written as 12.0 it is one, too.
+template <class Whole>
+Whole WholeOf(const Json& json, const char* what) {
+  constexpr double kMostExact = 1e15;
+  const auto fail = [&] { throw BadInput(fmt::format("{}: expected a whole number", what)); };
+  if (json.is_number_unsigned()) {
+    const auto number = json.get<uint64_t>();
+    if (!std::in_range<Whole>(number)) fail();
+    return Whole(number);
+  }
+  if (json.is_number_float()) {
+    const double number = json.get<double>();
+    if (!(std::abs(number) < kMostExact) || number != std::trunc(number)) fail();
+    if (!std::in_range<Whole>(int64_t(number))) fail();
+    return Whole(number);
+  }
+  if (!json.is_number_integer() || !std::in_range<Whole>(json.get<int64_t>())) fail();
+  return Whole(json.get<int64_t>());
+}
+
+/// One that may be left out: 0 then.
+int CountOf(const Json& json, const char* key) { return json.contains(key) ? WholeOf<int>(json.at(key), key) : 0; }
+
 /// A list of exactly `count` finite numbers.
 std::vector<double> Numbers(const Json& json, size_t count, const char* what) {
   const auto fail = [&] { throw BadInput(fmt::format("{}: expected {} finite numbers", what, count)); };
@@ -106,13 +119,17 @@ Pose PoseOf(const Json& json, const char* what) {
   const double error = std::abs(q.norm() - 1);
   if (error > kMaxError) throw BadInput(fmt::format("{}: expected x, y, z and a unit quaternion x, y, z, w", what));
   if (error > kMaxRounding) q.normalize();
-  return {q, {v[0], v[1], v[2]}};
+  const Eigen::Vector3d translation(v[0], v[1], v[2]);
+  if (!(translation.norm() <= kMaxForeignDistance_m)) {
+    throw BadInput(fmt::format("{}: expected x, y, z within {:g} m", what, kMaxForeignDistance_m));
+  }
+  return {q, translation};
 }
 
 CameraModel CameraOf(const Json& json) {
   CameraModel c;
-  c.width_px = json.at("width_px");
-  c.height_px = json.at("height_px");
+  c.width_px = WholeOf<int>(json.at("width_px"), "width_px");
+  c.height_px = WholeOf<int>(json.at("height_px"), "height_px");
   for (const auto& [key, member] : {std::pair{"fx", &c.fx},
                                     {"fy", &c.fy},
                                     {"cx", &c.cx},
@@ -184,11 +201,19 @@ Json PutImage(const cv::Mat& pixels, SharedFrames& frames, size_t& offset) {
 }
 
 Image GetImage(const Json& json, const SharedFrames& frames, int64_t stamp_ns) {
-  const int channels = json.at("channels");
-  const int type = json.at("type") == "float32" ? CV_32FC(channels) : CV_8UC(channels);
-  const size_t offset = json.at("offset");
-  const cv::Mat shared(int(json.at("height")), int(json.at("width")), type, frames.data() + offset);
-  if (offset + shared.total() * shared.elemSize() > frames.size()) throw BadInput("an image beyond the shared file");
+  const auto whole = [&](const char* key) { return WholeOf<int64_t>(json.at(key), key); };
+  const int64_t channels = whole("channels"), height = whole("height"), width = whole("width");
+  const int64_t offset = whole("offset"), room = int64_t(frames.size()) - std::max<int64_t>(0, offset);
+  constexpr int64_t kMostChannels = 4, kMostPixels = 1 << 16;
+  const auto is_within = [](int64_t value, int64_t most) { return value >= 1 && value <= most; };
+  if (!is_within(channels, kMostChannels) || !is_within(height, kMostPixels) || !is_within(width, kMostPixels)) {
+    throw BadInput("an image of no size: expected channels, height and width");
+  }
+  const bool is_float = json.at("type") == "float32";
+  const int64_t bytes = channels * height * width * (is_float ? int64_t(sizeof(float)) : 1);
+  if (offset < 0 || room < bytes) throw BadInput("an image beyond the shared file");
+  const int type = is_float ? CV_32FC(int(channels)) : CV_8UC(int(channels));
+  const cv::Mat shared(int(height), int(width), type, frames.data() + offset);
   return {stamp_ns, shared.clone()};
 }
 
@@ -259,9 +284,9 @@ FrameEstimate EstimateOf(const Json& json, int64_t stamp_ns) {
     frame.predicted = PoseOf(json.at("predicted"), "predicted");
   }
   frame.restarted = json.value("restarted", false);
-  frame.features = json.value("features", 0);
-  frame.inliers = json.value("inliers", 0);
-  frame.matches = json.value("matches", 0);
+  frame.features = CountOf(json, "features");
+  frame.inliers = CountOf(json, "inliers");
+  frame.matches = CountOf(json, "matches");
   return frame;
 }
 
@@ -351,35 +376,6 @@ auto Parsed(const std::string& line, Read read) {
 
 }  // namespace
 
-SharedFrames::SharedFrames(const fs::path& file, const Calibration& calibration)
-    : file_(file), size_(BytesOf(calibration)) {
-  const int descriptor = open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-  if (descriptor < 0) FailOn(file);
-  if (posix_fallocate(descriptor, 0, off_t(size_)) != 0) {
-    close(descriptor);
-    throw MissingResource(file.string() + ": no room for a frame");
-  }
-  Map(descriptor, true);
-}
-
-SharedFrames::SharedFrames(const fs::path& file) : file_(file) {
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) FailOn(file);
-  struct stat status = {};
-  fstat(descriptor, &status);
-  size_ = size_t(status.st_size);
-  Map(descriptor, false);
-}
-
-void SharedFrames::Map(int descriptor, bool writes) {
-  void* const data = mmap(nullptr, size_, writes ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, descriptor, 0);
-  close(descriptor);
-  if (data == MAP_FAILED) FailOn(file_);
-  data_ = static_cast<uint8_t*>(data);
-}
-
-SharedFrames::~SharedFrames() { munmap(data_, size_); }
-
 std::string StartMessage(const SystemSetup& setup, const fs::path& frames) {
   Json settings = Json::object();
   for (const auto& [key, value] : setup.settings) settings[key] = SettingJson(value);
@@ -449,7 +445,7 @@ SystemSetup ReadStart(const std::string& line, fs::path& frames) {
     if (json.at("protocol") != 1) throw BadInput("protocol: this program speaks 1");
     SystemSetup setup;
     setup.calibration = CalibrationOf(json.at("calibration"));
-    setup.seed = json.at("seed");
+    setup.seed = WholeOf<uint64_t>(json.at("seed"), "seed");
     frames = json.at("frames").get<std::string>();
     for (const auto& [key, value] : json.at("settings").items()) {
       if (value.is_number()) {
@@ -465,21 +461,22 @@ SystemSetup ReadStart(const std::string& line, fs::path& frames) {
 Observation ReadFrame(const std::string& line, const SharedFrames& frames) {
   return Parsed(line, [&](const Json& json) {
     Observation o;
-    o.stamp_ns = json.at("stamp_ns");
+    o.stamp_ns = WholeOf<int64_t>(json.at("stamp_ns"), "stamp_ns");
     o.exposure_ms = json.at("exposure_ms");
     o.image = GetImage(json.at("image"), frames, o.stamp_ns);
     if (json.contains("right")) o.right = GetImage(json.at("right"), frames, o.stamp_ns);
     if (json.contains("depth")) o.depth = GetImage(json.at("depth"), frames, o.stamp_ns);
     for (const Json& s : json.at("imu")) {
       const std::vector<double> v = Numbers(s, 7, "imu");
-      o.imu.push_back({s.at(0).get<int64_t>(), {v[1], v[2], v[3]}, {v[4], v[5], v[6]}});
+      o.imu.push_back({WholeOf<int64_t>(s.at(0), "stamp_ns"), {v[1], v[2], v[3]}, {v[4], v[5], v[6]}});
     }
     for (const Json& s : json.at("joints")) {
-      o.joints.push_back({s.at("stamp_ns"), s.at("position"), s.at("left_contact"), s.at("right_contact")});
+      o.joints.push_back({WholeOf<int64_t>(s.at("stamp_ns"), "stamp_ns"), s.at("position"), s.at("left_contact"),
+                          s.at("right_contact")});
     }
     for (const Json& s : json.value("odometry", Json::array())) {
       const std::vector<double> v = Numbers(s, 4, "odometry");
-      o.odometry.push_back({s.at(0).get<int64_t>(), {v[1], v[2]}, v[3]});
+      o.odometry.push_back({WholeOf<int64_t>(s.at(0), "stamp_ns"), {v[1], v[2]}, v[3]});
     }
     if (json.contains("scan")) {
       o.scan = ScanState{json.at("scan").at("pan_rad"), json.at("scan").at("body_turn_rad")};
@@ -509,7 +506,7 @@ FinalEstimate ReadFinal(const std::string& line) {
     if (!json.is_object()) throw BadInput("expected an object");
     FinalEstimate answer;
     for (const Json& frame : json.value("frames", Json::array())) {
-      answer.frames.push_back(EstimateOf(frame, frame.at("stamp_ns")));
+      answer.frames.push_back(EstimateOf(frame, WholeOf<int64_t>(frame.at("stamp_ns"), "stamp_ns")));
     }
     for (const Json& map : json.value("maps", Json::array())) answer.maps.push_back(MapOf(map));
     answer.failure = json.value("failure", "");

@@ -5,13 +5,16 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "algorithms/core/errors.h"
+#include "scenarios/code/systems/foreign_words.h"
 #include "scenarios/code/systems/frame_protocol.h"
 #include "scenarios/code/systems/private_folder.h"
 #include "scenarios/code/systems/sandbox.h"
@@ -48,6 +51,34 @@ class Descriptor {
   int number_;
 };
 
+/// The time by which something has to be done, whatever else comes in meanwhile.
+class Deadline {
+ public:
+  explicit Deadline(double limit_s)
+      : limit_s_(limit_s),
+        end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit_s))) {}
+
+  /// Waits until `descriptor` is ready for `events`. @returns false when the time is up.
+  bool Wait(int descriptor, short events) const {
+    for (;;) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(end_ - Clock::now()).count();
+      if (left <= 0) return false;
+      pollfd ready = {descriptor, events, 0};
+      const int n = poll(&ready, 1, int(std::min<int64_t>(left, std::numeric_limits<int>::max())));
+      if (n > 0) return true;
+      if (n < 0 && errno != EINTR) return true;  // what is wrong with it comes out when it is used
+    }
+  }
+  std::string Words() const { return fmt::format(" within {:g} s", limit_s_); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double limit_s_;
+  Clock::time_point end_;
+};
+
+constexpr size_t kMaxShown = 60;
+
 /// Both ends of a stream: ours, the program's.
 std::pair<Descriptor, Descriptor> MakeStream() {
   std::array<int, 2> ends = {-1, -1};
@@ -65,8 +96,11 @@ class ProcessSystem::Conversation {
   Conversation(const ProcessOptions& options, const Calibration& calibration, const fs::path& log)
       : frames_(folder_.path() / "frames", calibration), log_(log), to_(MakeStream()), from_(MakeStream()) {
     fs::create_directory(work());
-    program_.emplace(Words(options),
-                     SubprocessStreams{PrivateLog(), to_.second.number(), from_.second.number(), work()});
+    program_.emplace(Words(options), SubprocessStreams{.log = PrivateLog(),
+                                                       .input = to_.second.number(),
+                                                       .output = from_.second.number(),
+                                                       .folder = work(),
+                                                       .max_file_bytes = kMaxForeignFile_bytes});
     to_.second.Close();
     from_.second.Close();
   }
@@ -83,8 +117,10 @@ class ProcessSystem::Conversation {
 
   /// Says a line and hears one. @throws Breakdown.
   std::string Ask(const std::string& line, double limit_s) {
-    Send(line + "\n");
-    return Hear(limit_s);
+    const Deadline deadline(limit_s);
+    if (HasSaidMore()) throw Breakdown("said something that it was not asked: " + heard_.substr(0, kMaxShown));
+    Send(line + "\n", deadline);
+    return Hear(deadline);
   }
 
   /// After the last answer it may end by itself.
@@ -106,32 +142,39 @@ class ProcessSystem::Conversation {
     return Sandboxed(options.command, view);
   }
 
-  void Send(const std::string& text) {
+  /// A line that nobody asked for would be taken for the answer to the next frame.
+  bool HasSaidMore() {
+    std::array<char, kMaxShown> bytes;
+    const ssize_t n = heard_.empty() ? recv(from_.first.number(), bytes.data(), bytes.size(), MSG_DONTWAIT) : 0;
+    if (n > 0) heard_.append(bytes.data(), size_t(n));
+    return !heard_.empty();
+  }
+
+  /// What does not read must not hold us up.
+  void Send(const std::string& text, const Deadline& deadline) {
     for (size_t sent = 0; sent < text.size();) {
-      const ssize_t n = send(to_.first.number(), text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) throw Breakdown(HowItEnded());
-      sent += size_t(n);
+      const ssize_t n = send(to_.first.number(), text.data() + sent, text.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (n >= 0) {
+        sent += size_t(n);
+      } else if (errno == EAGAIN) {
+        if (!deadline.Wait(to_.first.number(), POLLOUT)) throw Breakdown("did not read" + deadline.Words());
+      } else if (errno != EINTR) {
+        throw Breakdown(HowItEnded());
+      }
     }
   }
 
-  std::string Hear(double limit_s) {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point end =
-        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit_s));
+  std::string Hear(const Deadline& deadline) {
     constexpr size_t kMaxLine = 256 << 20;
-    for (;;) {
-      if (const size_t at = heard_.find('\n'); at != std::string::npos) {
+    for (size_t searched = 0;;) {
+      if (const size_t at = heard_.find('\n', searched); at != std::string::npos) {
         std::string line = heard_.substr(0, at);
         heard_.erase(0, at + 1);
         return line;
       }
-      if (heard_.size() > kMaxLine) throw Breakdown("answered with a line without an end");
-      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
-      pollfd ready = {from_.first.number(), POLLIN, 0};
-      const int n = poll(&ready, 1, int(std::max<int64_t>(0, left)));
-      if (n < 0 && errno == EINTR) continue;
-      if (n == 0) throw Breakdown(fmt::format("did not answer within {:g} s", limit_s));
+      searched = heard_.size();
+      if (searched > kMaxLine) throw Breakdown("answered with a line without an end");
+      if (!deadline.Wait(from_.first.number(), POLLIN)) throw Breakdown("did not answer" + deadline.Words());
       Receive();
     }
   }
@@ -172,7 +215,7 @@ ProcessSystem::ProcessSystem(const ProcessOptions& options, const SystemSetup& s
   } catch (const BadInput& e) {
     Fail("at its start", std::string("answered ") + e.what());
   }
-  if (!refusal.empty()) throw BadInput(refusal);
+  if (!refusal.empty()) throw BadInput(ForeignWords(refusal));
 }
 
 ProcessSystem::~ProcessSystem() = default;

@@ -4,20 +4,26 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <mutex>
+#include <set>
 #include <sstream>
 #include <thread>
 #include <utility>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_names.h"
+#include "scenarios/code/systems/foreign_words.h"
 
 extern char** environ;
 
@@ -43,6 +49,10 @@ constexpr std::string_view kMarkName = "GAITCAM_STARTED_BY";
   }
   if (log >= 0) dup2(log, STDERR_FILENO);
   if (!streams.folder.empty() && chdir(streams.folder.c_str()) != 0) _exit(126);
+  if (streams.max_file_bytes > 0) {
+    const rlimit limit = {streams.max_file_bytes, streams.max_file_bytes};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
   close_range(3, ~0U, 0);
   execvpe(words[0], words, environment);
   _exit(127);
@@ -74,20 +84,81 @@ std::vector<std::string> MarkedEnvironment(const std::string& mark, const std::m
   return environment;
 }
 
-/// Processes whose environment holds the mark. Those of other users cannot be read.
-std::vector<pid_t> Marked(const std::string& mark) {
-  std::vector<pid_t> marked;
+/// Processes of which `file` in /proc holds what `is_wanted` looks for. Some files of other users' cannot be read.
+template <class IsWanted>
+std::vector<pid_t> Processes(const char* file_name, IsWanted is_wanted) {
+  std::vector<pid_t> found;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator("/proc", ignored)) {
     const std::string name = entry.path().filename().string();
     pid_t pid = 0;
     if (std::from_chars(name.data(), name.data() + name.size(), pid).ec != std::errc()) continue;
-    std::ifstream file(entry.path() / "environ", std::ios::binary);
-    const std::string environment{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (environment.find(mark) != std::string::npos) marked.push_back(pid);
+    std::ifstream file(entry.path() / file_name, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    if (is_wanted(text)) found.push_back(pid);
   }
-  return marked;
+  return found;
 }
+
+/// Processes whose environment holds the mark.
+std::vector<pid_t> Marked(const std::string& mark) {
+  return Processes("environ", [&](const std::string& text) { return text.find(mark) != std::string::npos; });
+}
+
+/// Our children, dead ones included, as far as nobody has waited for them.
+std::vector<pid_t> Children() {
+  return Processes("stat", [us = getpid()](const std::string& text) {
+    const size_t name_end = text.rfind(')');  // "pid (name) state parent ..."
+    int parent = 0;
+    return name_end != std::string::npos && std::sscanf(text.c_str() + name_end, ") %*c %d", &parent) == 1 &&
+           parent == us;
+  });
+}
+
+/// Which children of ours are known: those that we started and wait for, and those that this process had from the
+/// start. Any other was left behind by a program that has ended, and came to us because we asked the kernel for such.
+class KnownChildren {
+ public:
+  static KnownChildren& Instance() {
+    static KnownChildren instance;
+    return instance;
+  }
+  /// Forks; `begin` goes on in the child. @returns its number, or -1.
+  template <class Begin>
+  pid_t Fork(Begin begin) {
+    const std::lock_guard lock(mutex_);  // a child is known from its first moment
+    const pid_t child = fork();
+    if (child == 0) begin();
+    if (child > 0) known_.insert(child);
+    return child;
+  }
+  void Forget(pid_t child) {
+    const std::lock_guard lock(mutex_);
+    known_.erase(child);
+  }
+  /// Kills all others. @returns whether there was one.
+  bool KillOthers() {
+    if (!adopts_) return false;
+    const std::lock_guard lock(mutex_);
+    bool any = false;
+    for (const pid_t child : Children()) {
+      if (known_.count(child) != 0) continue;
+      any |= kill(child, SIGKILL) == 0;
+      waitpid(child, nullptr, 0);
+    }
+    return any;
+  }
+
+ private:
+  KnownChildren() {
+    for (const pid_t child : Children()) known_.insert(child);  // of who became us by exec
+    const bool is_first = getpid() == 1;                        // of a container: everybody's orphans come to it anyway
+    adopts_ = !is_first && prctl(PR_SET_CHILD_SUBREAPER, 1) == 0;
+  }
+  std::mutex mutex_;
+  std::set<pid_t> known_;
+  bool adopts_ = false;
+};
 
 }  // namespace
 
@@ -103,8 +174,7 @@ Subprocess::Subprocess(const std::vector<std::string>& command, const Subprocess
   mark_ = fmt::format("<{}.{}.{}>", parent, std::chrono::steady_clock::now().time_since_epoch().count(), ++count);
   const std::vector<std::string> environment = MarkedEnvironment(mark_, streams.variables);
   const std::vector<char*> words = Pointers(command), variables = Pointers(environment);
-  child_ = fork();
-  if (child_ == 0) BecomeProgram(words.data(), variables.data(), streams, parent);
+  child_ = KnownChildren::Instance().Fork([&] { BecomeProgram(words.data(), variables.data(), streams, parent); });
   if (child_ < 0) throw MissingResource(std::string("cannot start another process: ") + std::strerror(errno));
   setpgid(child_, child_);  // whichever of us comes first
 }
@@ -114,6 +184,7 @@ Subprocess::~Subprocess() {
   kill(-child_, SIGKILL);
   kill(child_, SIGKILL);
   waitpid(child_, nullptr, 0);
+  KnownChildren::Instance().Forget(child_);
   KillDescendants();
 }
 
@@ -126,6 +197,7 @@ void Subprocess::KillDescendants() const {
   for (int round = 0; round < kMaxRounds; ++round) {
     bool any = false;
     for (const pid_t pid : Marked(mark_)) any |= kill(pid, SIGKILL) == 0;
+    any |= KnownChildren::Instance().KillOthers();
     if (!any) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -136,6 +208,7 @@ std::optional<Ending> Subprocess::Poll() {
   int status = 0;
   if (waitpid(child_, &status, WNOHANG) != child_) return std::nullopt;
   kill(-child_, SIGKILL);
+  KnownChildren::Instance().Forget(child_);
   KillDescendants();
   child_ = 0;
   ending_ = WIFEXITED(status) ? Ending{WEXITSTATUS(status), 0} : Ending{-1, WTERMSIG(status)};
@@ -154,9 +227,7 @@ std::optional<Ending> Subprocess::Wait(double seconds) {
 }
 
 std::optional<fs::path> FindProgram(const std::string& name) {
-  const auto is_program = [](const fs::path& file) {
-    return access(file.c_str(), X_OK) == 0 && !fs::is_directory(file);
-  };
+  const auto is_program = [](const fs::path& file) { return access(file.c_str(), X_OK) == 0 && !IsFolder(file); };
   if (name.find('/') != std::string::npos) return is_program(name) ? std::optional<fs::path>(name) : std::nullopt;
   const char* path = std::getenv("PATH");
   std::stringstream folders(path == nullptr ? "" : path);
@@ -167,12 +238,15 @@ std::optional<fs::path> FindProgram(const std::string& name) {
 }
 
 std::string LastLine(const fs::path& file) {
-  std::ifstream stream(file);
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  constexpr std::streamoff kMost = 64 << 10;
+  if (const std::streamoff size = stream.tellg(); size >= 0) stream.seekg(std::max<std::streamoff>(0, size - kMost));
   std::string line, last;
   while (std::getline(stream, line)) {
-    if (line.find_first_not_of(" \t\r") != std::string::npos) last = line;
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.find_first_not_of(" \t") != std::string::npos) last = line;
   }
-  return last;
+  return ForeignWords(last);
 }
 
 }  // namespace gaitcam

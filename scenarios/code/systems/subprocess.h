@@ -29,6 +29,7 @@ struct SubprocessStreams {
   int output = -1;                    ///< Standard output; -1: the log.
   std::filesystem::path folder = {};  ///< Working folder; empty: ours.
   std::map<std::string, std::string> variables = {};  ///< Of its environment, where ours says nothing of them.
+  size_t max_file_bytes = 0;                          ///< Of each file that it writes, its log too; 0: no limit.
 };
 
 class Subprocess {
@@ -39,7 +40,8 @@ class Subprocess {
   Subprocess(const std::vector<std::string>& command, const SubprocessStreams& streams);
   Subprocess(const std::vector<std::string>& command, const std::filesystem::path& log)
       : Subprocess(command, SubprocessStreams{log}) {}
-  /// Kills it if it still runs, with all that it started, process groups and sessions of their own included.
+  /// Kills it if it still runs, with all that it started: process groups and sessions of their own included, and those
+  /// with an environment of their own, whose parent has gone (they become children of ours).
   ~Subprocess();
   Subprocess(Subprocess&& other) noexcept;
   Subprocess& operator=(Subprocess&&) = delete;
@@ -60,7 +62,10 @@ class Subprocess {
 /// The file of a program: the name itself if it has a "/", else the first in PATH. Nothing if it may not be executed.
 std::optional<std::filesystem::path> FindProgram(const std::string& name);
 
-/// The last line of a text file that is not blank; empty if there is none.
+/// No file of somebody else's program grows beyond this: its folder lies in memory, and what it printed is kept.
+constexpr size_t kMaxForeignFile_bytes = size_t(1) << 30;
+
+/// The last line of a text file that is not blank, as ForeignWords; empty if there is none in the last 64 KiB.
 std::string LastLine(const std::filesystem::path& file);
 
 }  // namespace gaitcam

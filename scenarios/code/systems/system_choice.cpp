@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "algorithms/core/file_names.h"
 #include "algorithms/io/checksum.h"
 #include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
@@ -213,7 +214,7 @@ void CutFolders(std::vector<std::string>& words) {
 
 /// Of a file; of a folder that of all files below it, with their names.
 std::string Sha256Of(const fs::path& path) {
-  if (!fs::is_directory(path)) return Sha256OfFile(path);
+  if (!IsFolder(path)) return Sha256OfFile(path);
   std::set<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(path)) {
     if (entry.is_regular_file()) files.insert(entry.path());

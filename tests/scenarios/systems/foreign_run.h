@@ -13,6 +13,22 @@
 
 namespace gaitcam {
 
+/// A program of Python that answers the start and then does `body` for each later line, the message being `m`, the
+/// lines numbered from 0 by `n`; say() answers an object, raw() bytes.
+inline std::string Answering(const std::string& body) {
+  return "#!/usr/bin/env python3\n"
+         "import json, os, sys, time\n"
+         "def say(answer): print(json.dumps(answer), flush=True)\n"
+         "def raw(said): sys.stdout.buffer.write(said); sys.stdout.buffer.flush()\n"
+         "for n, line in enumerate(sys.stdin):\n"
+         "  m = json.loads(line)\n"
+         "  if m['event'] == 'start':\n"
+         "    start = m\n"
+         "    say({'ready': True})\n"
+         "    continue\n" +
+         body;
+}
+
 class ForeignRun : public testing::Test {
  protected:
   /// Two seconds of a small film where no texture needs painting, tracked by `system` (YAML).

@@ -13,20 +13,6 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A program of Python that answers the start and then does `body` for each later line, the message being `m`.
-std::string Answering(const std::string& body) {
-  return "#!/usr/bin/env python3\n"
-         "import json, os, sys, time\n"
-         "def say(answer): print(json.dumps(answer), flush=True)\n"
-         "for n, line in enumerate(sys.stdin):\n"
-         "  m = json.loads(line)\n"
-         "  if m['event'] == 'start':\n"
-         "    start = m\n"
-         "    say({'ready': True})\n"
-         "    continue\n" +
-         body;
-}
-
 constexpr const char* kStill = "  say({'status': 'tracking', 'pose': [n, 0, 0, 0, 0, 0, 1]})\n";
 
 class ProcessSystemTest : public ForeignRun {

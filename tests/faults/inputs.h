@@ -1,0 +1,65 @@
+/// What the programs under attack are given to read, and what they leave.
+
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "tests/temporary_folder.h"
+
+namespace gaitcam {
+
+namespace fs = std::filesystem;
+
+inline void WriteInputs(const fs::path& folder) {
+  std::ofstream truth(folder / "truth.txt"), estimate(folder / "estimate.txt");
+  for (int i = 0; i < 40; ++i) {
+    truth << 1 + 0.1 * i << " " << 0.1 * i << " " << std::sin(0.2 * i) << " 0 0 0 0 1\n";
+    estimate << 1 + 0.1 * i << " " << 0.101 * i << " " << std::sin(0.2 * i) << " 0.01 0 0 0 1\n";
+  }
+  std::ofstream(folder / "walk.yaml") << "robot: omni_base\nscene: lab\nduration_s: 1.2\n"
+                                         "camera: {width_px: 160, height_px: 120, rate_hz: 10, exposure_ms: 5,\n"
+                                         "  stereo: {baseline_m: 0.2}}\n"
+                                         "video: {enabled: false}\nsystem: stereo_vo\n";
+  std::ofstream(folder / "learn.yaml") << "robot: omni_base\nscene: lab\nduration_s: 0.8\n"
+                                          "camera: {width_px: 240, height_px: 180, rate_hz: 10, exposure_ms: 5,\n"
+                                          "  fixed_subframes: 1, depth: true}\n"
+                                          "sensors: {odometry: {rate_hz: 50}}\n"
+                                          "video: {enabled: false}\nsystem: hybrid_slam\nscore: {min_pairs: 3}\n";
+  std::ofstream(folder / "study.yaml") << "base: walk.yaml\nset: {duration_s: 0.8, score.min_pairs: 3}\n"
+                                          "axes: {camera.exposure_ms: [2, 5]}\nseeds: [1]\n"
+                                          "metrics: [coverage_ratio]\n";
+  std::ofstream(folder / "matrix.yaml") << "base: walk.yaml\nset: {duration_s: 0.5, scene: plain}\n"
+                                           "axes: {camera.exposure_ms: [2, 5]}\nseeds: [1]\n";
+  std::ofstream(folder / "suite.yaml") << "scenarios:\n  - {name: step, scenario: walk.yaml, set: {duration_s: 0.6,\n"
+                                          "     score.min_pairs: 3}}\nsystems: [stereo_vo]\nseeds: 7\n"
+                                          "metrics:\n  - {name: rpe_rot_rmse_deg_1f, margin: 0.05}\n";
+}
+
+/// Every file below a folder that a user would see, with what is in it; hidden ones by name alone.
+inline std::map<std::string, std::string> FilesBelow(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& item : fs::recursive_directory_iterator(folder)) {
+    if (item.is_regular_file()) files[item.path().lexically_relative(folder).string()] = ReadText(item.path());
+  }
+  return files;
+}
+
+/// Names of files that are not in both as they are in the other, on a line each.
+inline std::string Changed(const std::map<std::string, std::string>& before,
+                           const std::map<std::string, std::string>& after) {
+  std::string changed;
+  for (const auto& [name, content] : before) {
+    if (after.count(name) == 0 || after.at(name) != content) changed += name + "\n";
+  }
+  for (const auto& [name, content] : after) {
+    if (before.count(name) == 0) changed += name + "\n";
+  }
+  return changed;
+}
+
+}  // namespace gaitcam

@@ -1,0 +1,199 @@
+// Programs that are killed at any moment, and programs that run twice at once. What must hold: the same command, given
+// again, leaves the very files that it leaves where nothing ever happened, and nothing else: no half-written file, no
+// folder of a process that is no more.
+//
+// GAITCAM_LONG_TESTS=1: all verbs, each killed before each of its calls that alter folders; and at GAITCAM_KILLS (100)
+// random instants each.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <set>
+#include <thread>
+
+#include "algorithms/core/random.h"
+#include "tests/faults/inputs.h"
+#include "tests/scenarios/program.h"
+#include "tests/temporary_folder.h"
+
+namespace gaitcam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct KilledVerb {
+  std::string name, arguments;
+  std::string output;    ///< One of the files that it writes.
+  bool is_long = false;  ///< Left to the long part.
+};
+
+const std::vector<KilledVerb>& KilledVerbs() {
+  static const std::vector<KilledVerb> verbs = {
+      {"score", "score estimate.txt truth.txt --out scores.json", "scores.json", false},
+      {"record", "record walk.yaml --set duration_s=0.6 --out recorded", "recorded/walk/calibration.yaml", true},
+      {"run", "run walk.yaml --set duration_s=0.5 --set scene=plain --set camera.fixed_subframes=1 --out done",
+       "done/scores.json", false},
+      {"learn", "run learn.yaml --out learned", "learned/route.map", true},
+      {"study", "study study.yaml --out study --cache cache", "study/runs.csv", true},
+      {"matrix", "record matrix.yaml --out matrix", "matrix/matrix.yaml", true},
+      {"check", "check ./suite.yaml --update --cache cache", "baselines/suite.json", true},
+  };
+  return verbs;
+}
+
+bool IsLongPart() { return std::getenv("GAITCAM_LONG_TESTS") != nullptr; }
+
+/// Without what the clock and the machine's memory have their say in, and what a program says while it works.
+std::map<std::string, std::string> WhatStays(const fs::path& folder) {
+  std::map<std::string, std::string> files = FilesBelow(folder);
+  static const std::set<std::string> of_time = {"timings.csv", "tracking.csv"};
+  for (auto it = files.begin(); it != files.end();) {
+    const fs::path name = it->first;
+    if (of_time.count(name.filename()) != 0 || name.parent_path().filename() == "log") {
+      it = files.erase(it);
+      continue;
+    }
+    std::istringstream lines(it->second);
+    std::string kept;
+    for (std::string line; std::getline(lines, line);) {
+      const auto has = [&](const char* word) { return line.find(word) != std::string::npos; };
+      if (!has("track_ms") && !has("peak_memory") && !has("Tracking time")) kept += line + "\n";
+    }
+    it->second = kept;
+    ++it;
+  }
+  return files;
+}
+
+/// A folder with the inputs, and the folder for temporary files in it, where what stays is seen, too.
+class Workplace {
+ public:
+  explicit Workplace(const KilledVerb& verb) : verb_(verb) {
+    WriteInputs(folder_.path());
+    fs::create_directory(folder_.path() / "tmp");
+  }
+
+  /// @param variables of its environment: "NAME=VALUE ..."
+  pid_t Start(const std::string& variables = "") const {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    const std::string command = "cd " + folder_.path().string() +
+                                " && TMPDIR=$PWD/tmp GAITCAM_DATA=" + TestData().string() + " " + variables + " exec " +
+                                Program() + " -q " + verb_.arguments + " >/dev/null 2>&1";
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+  }
+  /// @returns as a shell tells it: beyond 128 is a signal.
+  static int Wait(pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  int Run(const std::string& variables = "") const { return Wait(Start(variables)); }
+
+  std::map<std::string, std::string> Files() const { return WhatStays(folder_.path()); }
+  const fs::path& path() const { return folder_.path(); }
+
+ private:
+  const KilledVerb& verb_;
+  const TemporaryFolder folder_;
+};
+
+class Kills : public testing::TestWithParam<int> {
+ protected:
+  static const KilledVerb& verb() { return KilledVerbs()[size_t(GetParam())]; }
+
+  struct Undisturbed {
+    int exit_code = -1;
+    double seconds = 0;
+    std::map<std::string, std::string> files;
+  };
+  static const Undisturbed& WhereNothingHappened() {
+    static std::map<int, Undisturbed> known;
+    Undisturbed& one = known[GetParam()];
+    if (one.exit_code >= 0) return one;
+    const Workplace place(verb());
+    const Clock::time_point start = Clock::now();
+    one.exit_code = place.Run();
+    one.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    one.files = place.Files();
+    return one;
+  }
+  /// A walk that is too short to be scored ends with 3, its results are there.
+  static bool HadItsOutput() {
+    const int code = WhereNothingHappened().exit_code;
+    return (code == 0 || code == 3) && WhereNothingHappened().files.count(verb().output) == 1;
+  }
+  static void ExpectTheSameAsEver(const Workplace& place) {
+    EXPECT_EQ(place.Run(), WhereNothingHappened().exit_code);
+    EXPECT_EQ(Changed(WhereNothingHappened().files, place.Files()), "");
+  }
+};
+
+TEST_P(Kills, BeforeEachCallThatAltersAFolder) {
+  if (verb().name != "score" && !IsLongPart()) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";
+  ASSERT_TRUE(HadItsOutput());
+  int kills = 0;
+  for (const std::string kind : {"rename", "mkdir"}) {
+    for (int n = 1; !HasFailure(); ++n) {
+      const Workplace place(verb());
+      const TemporaryFolder beside;
+      const fs::path hit = beside.path() / "hit";
+      place.Run("GAITCAM_FAIL=" + kind + ":" + std::to_string(n) + ":kill GAITCAM_FAIL_HIT=" + hit.string() +
+                " LD_PRELOAD=" + FAIL_NTH);
+      if (!fs::exists(hit)) break;
+      SCOPED_TRACE("killed before " + kind + " " + std::to_string(n));
+      ExpectTheSameAsEver(place);
+      ++kills;
+    }
+  }
+  EXPECT_GT(kills, 0);
+  std::printf("%s: killed %d times before a call\n", verb().name.c_str(), kills);
+}
+
+TEST_P(Kills, AtRandomInstants) {
+  if (verb().is_long && !IsLongPart()) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";
+  ASSERT_TRUE(HadItsOutput());
+  const char* wanted = std::getenv("GAITCAM_KILLS");
+  const int most = !IsLongPart() ? 2 : wanted != nullptr ? std::atoi(wanted) : 100;
+  RandomStream random(1, "kills of " + verb().name);
+  int kills = 0, too_late = 0;
+  while (kills < most && !HasFailure()) {
+    const Workplace place(verb());
+    std::string trace;
+    for (int left = 1 + random.Index(3); left > 0; --left) {  // once or more before it is let go on
+      const pid_t child = place.Start();
+      const double delay_s = random.Uniform(0, WhereNothingHappened().seconds);
+      std::this_thread::sleep_for(std::chrono::duration<double>(delay_s));
+      kill(child, SIGKILL);
+      const bool was_killed = Workplace::Wait(child) == 128 + SIGKILL;
+      ++(was_killed ? kills : too_late);
+      trace += " " + std::to_string(delay_s) + (was_killed ? " s" : " s (it had ended)");
+    }
+    SCOPED_TRACE("killed after" + trace);
+    if (verb().name == "record" && fs::exists(place.path() / verb().output)) continue;  // it had ended: no second time
+    ExpectTheSameAsEver(place);
+  }
+  std::printf("%s: killed %d times, %d times too late\n", verb().name.c_str(), kills, too_late);
+}
+
+TEST_P(Kills, TwiceAtOnce) {
+  if (verb().name != "run" && !IsLongPart()) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";
+  const Workplace place(verb());
+  const pid_t one = place.Start(), other = place.Start();
+  const std::multiset<int> codes = {Workplace::Wait(one), Workplace::Wait(other)};
+  EXPECT_EQ(codes.count(WhereNothingHappened().exit_code) + codes.count(2), 2U) << "done, or refused in a line";
+  EXPECT_GE(codes.count(WhereNothingHappened().exit_code), 1U);
+  EXPECT_EQ(Changed(WhereNothingHappened().files, place.Files()), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Kills, testing::Range(0, int(KilledVerbs().size())),
+                         [](const auto& info) { return KilledVerbs()[size_t(info.param)].name; });
+
+}  // namespace
+}  // namespace gaitcam

@@ -1,0 +1,207 @@
+// Programs and libraries that mean ill, or are broken in every way that we could think of, as SLAM systems. Whatever
+// they do, what comes of it is a failure of theirs in one line; we go on, nothing of theirs stays, and no truth is
+// reached. A new way to misbehave is one line of a table.
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include <csignal>
+
+#include "algorithms/core/clock.h"
+#include "algorithms/core/errors.h"
+#include "scenarios/code/systems/chosen_system.h"
+#include "scenarios/code/systems/foreign_words.h"
+#include "scenarios/code/systems/sandbox.h"
+#include "scenarios/code/systems/subprocess.h"
+#include "tests/scenarios/systems/foreign_run.h"
+
+namespace gaitcam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+SystemSetup SmallSetup() {
+  SystemSetup setup;
+  CameraModel& camera = setup.calibration.camera;
+  camera.width_px = 8;
+  camera.height_px = 6;
+  camera.fx = camera.fy = 7;
+  setup.calibration.frame_rate_hz = 10;
+  return setup;
+}
+
+/// What a system says to three small frames and at the end.
+FinalEstimate Finished(System& system) {
+  constexpr int kFrames = 3;
+  constexpr int64_t kFrame_ns = 100'000'000;
+  for (int i = 0; i < kFrames; ++i) {
+    Observation o;
+    o.stamp_ns = kClockStart_ns + i * kFrame_ns;
+    o.exposure_ms = 5;
+    o.image = {o.stamp_ns, cv::Mat::zeros(6, 8, CV_8UC1)};
+    system.Track(o);
+  }
+  return system.Finish();
+}
+
+bool IsAnywhere(const std::string& word) {
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    if (ReadText(entry.path() / "cmdline").find(word) != std::string::npos) return true;
+  }
+  return false;
+}
+
+class Strangers : public testing::Test {
+ protected:
+  /// The failure of a system, its files in our folder.
+  std::string FailureOf(const std::string& choice_yaml) const {
+    const SystemChoice choice = ParseSystemChoice(choice_yaml);
+    SystemSetup setup = SmallSetup();
+    setup.settings = choice.settings;
+    const std::unique_ptr<System> system = MakeSystem(choice, setup, temporary_.path());
+    return Finished(*system).failure;
+  }
+  std::string Program(const std::string& name, const std::string& text) const {
+    const fs::path file = temporary_.Write(name, text);
+    fs::permissions(file, fs::perms::owner_all);
+    return file.string();
+  }
+  const TemporaryFolder temporary_;
+};
+
+struct Misdeed {
+  std::string name;
+  std::string body;     ///< Python or shell, or a word that a library knows.
+  std::string failure;  ///< A part of what is said of it.
+};
+void PrintTo(const Misdeed& misdeed, std::ostream* out) { *out << misdeed.name; }
+const auto kNameOfMisdeed = [](const auto& info) { return info.param.name; };
+
+class StrangerProcesses : public Strangers, public testing::WithParamInterface<Misdeed> {};
+
+TEST_P(StrangerProcesses, FailInOneLine) {
+  const std::string slam = Program("slam.py", Answering(GetParam().body));
+  const std::string failure =
+      FailureOf("{process: [" + slam + "], start_limit_s: 20, frame_limit_s: 0.4, finish_limit_s: 0.4}");
+  EXPECT_THAT(failure, HasSubstr(GetParam().failure));
+  EXPECT_FALSE(IsAnywhere(slam)) << "it still runs";
+}
+
+// Within the limit of 0.4 s a machine under load may not see as much of an endless line as it may hold: then it is
+// late.
+INSTANTIATE_TEST_SUITE_P(
+    That, StrangerProcesses,
+    testing::Values(
+        Misdeed{"SayBytesThatAreNoText", "  raw(b'\\xff\\xfe\\x00\\x80\\n')\n", "answered no JSON: "},
+        Misdeed{"SayHalfALineAndEnd", "  raw(b'{\"status\": \"los'); sys.exit(0)\n", "at frame 1 it exited with 0"},
+        Misdeed{"SayHalfALineAndWait", "  raw(b'{\"status\": \"los'); time.sleep(9)\n", "did not answer within 0.4 s"},
+        Misdeed{"SayALittleForEver", "  while True: raw(b' '); time.sleep(0.01)\n", "did not answer within 0.4 s"},
+        Misdeed{"SayALineWithoutEnd", "  while True: raw(b'x' * 1000000)\n", "answer"},
+        Misdeed{"SayNothing", "  time.sleep(9)\n", "did not answer within 0.4 s"},
+        Misdeed{"SayTwoAnswersAtOnce", "  raw(b'{\"status\": \"lost\"}\\n' * 2)\n",
+                "at frame 2 it said something that it was not asked: {\"status\": \"lost\"}"},
+        Misdeed{"SayNaN", "  raw(b'{\"status\": \"tracking\", \"pose\": [NaN, 0, 0, 0, 0, 0, 1]}\\n')\n", "no JSON"},
+        Misdeed{"SayNull", "  raw(b'null\\n')\n", "expected an object"},
+        Misdeed{"GoBeyondAllBounds", "  say({'status': 'tracking', 'pose': [1e300, 0, 0, 0, 0, 0, 1]})\n",
+                "within 4e+09 m"},
+        Misdeed{"NestWithoutEnd", "  raw(b'[' * 100000 + b'\\n')\n", "no JSON"},
+        Misdeed{"KillThemselves", "  os.kill(os.getpid(), 9)\n", "died of signal 9"},
+        Misdeed{"EndInTheMiddle", "  say({'status': 'lost'}) if m['event'] == 'frame' else sys.exit(5)\n",
+                "at the end it exited with 5"},
+        Misdeed{"CloseTheirOutput", "  os.close(1); time.sleep(9)\n", "at frame 1 it "}),
+    kNameOfMisdeed);
+
+// The pipe to it is full before the start is told: a settings text longer than any socket holds.
+TEST_F(Strangers, WhatDoesNotReadDoesNotHoldUsUp) {
+  const std::string slam = Program("slam.sh", "#!/bin/sh\nexec sleep 98761.2\n");
+  const std::string text(1 << 20, 'x');
+  EXPECT_THAT(FailureOf("{process: [" + slam + "], start_limit_s: 0.4, settings: {text: " + text + "}}"),
+              HasSubstr("at its start it did not read within 0.4 s"));
+  EXPECT_FALSE(IsAnywhere("98761.2"));
+}
+
+class StrangerCommands : public Strangers, public testing::WithParamInterface<Misdeed> {};
+
+TEST_P(StrangerCommands, FailInOneLine) {
+  temporary_.Write("earlier/truth.txt", "1700000000.0 0 0 0 0 0 0 1\n1700000000.1 0 0 0 0 0 0 1\n");
+  const std::string slam = Program(
+      "slam.sh", "#!/bin/sh\ntruth=" + (temporary_.path() / "earlier/truth.txt").string() + "\n" + GetParam().body);
+  EXPECT_THAT(FailureOf("{command: [" + slam + R"(, "{dataset}", "{output}"], time_limit_s: 5})"),
+              HasSubstr(GetParam().failure));
+}
+
+// A link is followed by who reads it, and that is us: outside the sandbox, where the truth of an earlier run may lie.
+INSTANTIATE_TEST_SUITE_P(
+    That, StrangerCommands,
+    testing::Values(Misdeed{"LinkTheirOutputToTheTruth", "ln -s $truth $2\n", "wrote no trajectory"},
+                    Misdeed{"HandOverAPipe", "mkfifo $2\n", "wrote no trajectory"},
+                    Misdeed{"HandOverADevice", "ln -s /dev/zero $2\n", "wrote no trajectory"},
+                    Misdeed{"HandOverAFolder", "mkdir $2\n", "wrote no trajectory"},
+                    Misdeed{"HandOverNoText", "head -c 100000 /dev/zero > $2\n", "malformed trajectory"},
+                    Misdeed{"GoBeyondAllBounds", "echo 1700000000.1 1e300 0 0 0 0 0 1 > $2\n", "further away than"}),
+    kNameOfMisdeed);
+
+class StrangerLibraries : public Strangers, public testing::WithParamInterface<Misdeed> {
+ protected:
+  StrangerLibraries() { setenv("GAITCAM_PROGRAM", gaitcam::Program().c_str(), 1); }  // it serves them
+};
+
+TEST_P(StrangerLibraries, FailInOneLine) {
+  EXPECT_THAT(
+      FailureOf(std::string("{plugin: ") + HOSTILE_PLUGIN + ", frame_limit_s: 0.6, deed: " + GetParam().body + "}"),
+      HasSubstr(GetParam().failure));
+  EXPECT_FALSE(IsAnywhere(HOSTILE_PLUGIN)) << "its host still runs";
+}
+
+INSTANTIATE_TEST_SUITE_P(That, StrangerLibraries,
+                         testing::Values(Misdeed{"Throw", "throw", "at frame 2 it exited with 1: on purpose"},
+                                         Misdeed{"ThrowWhatIsNoException", "throw_number", "died of signal 6"},
+                                         Misdeed{"Abort", "abort", "died of signal 6"},
+                                         Misdeed{"WriteToNowhere", "write_to_nowhere", "died of signal 11"},
+                                         Misdeed{"Exit", "exit", "at frame 2 it exited with 0"},
+                                         Misdeed{"NeverReturn", "loop", "did not answer within 0.6 s"},
+                                         Misdeed{"AnswerNaN", "nan", "pose: expected 7 finite numbers"}),
+                         kNameOfMisdeed);
+
+TEST_F(Strangers, AFileOfTheirsGrowsToItsLimitAndNoFurther) {
+  SubprocessStreams streams{.log = temporary_.path() / "log", .max_file_bytes = 4096};
+  Subprocess program({"/bin/sh", "-c", "exec head -c 100000 /dev/zero"}, streams);
+  const std::optional<Ending> ending = program.Wait(20);
+  ASSERT_TRUE(ending);
+  EXPECT_FALSE(ending->ok());
+  EXPECT_EQ(fs::file_size(temporary_.path() / "log"), 4096U);
+}
+
+// Double forks, sessions and environments of their own: nothing that a program can do to be forgotten is enough.
+TEST_F(Strangers, ChildrenThatHideAreFound) {
+  Subprocess program({"/bin/sh", "-c", "env -i setsid sh -c 'sleep 98762.3 & sleep 98762.3' >/dev/null 2>&1 & exit 0"},
+                     temporary_.path() / "log");
+  ASSERT_TRUE(program.Wait(20));
+  EXPECT_FALSE(IsAnywhere("98762.3"));
+}
+
+TEST(ForeignWords, AreOneLineOfText) {
+  EXPECT_EQ(ForeignWords("plain \xc3\xa4 \xe2\x82\xac \xf0\x9f\x98\x80"),
+            "plain \xc3\xa4 \xe2\x82\xac \xf0\x9f\x98\x80");
+  EXPECT_EQ(ForeignWords("\x1b[31mred\n"), "?[31mred?");
+  EXPECT_EQ(ForeignWords(std::string("a\0b\tc", 5)), "a?b c");
+  EXPECT_EQ(ForeignWords("\xff\xc3"), "??") << "no character begins so; one that is cut off";
+  EXPECT_EQ(ForeignWords("\xc0\xaf|\xed\xa0\x80|\xf4\x90\x80\x80"), "??|???|????")
+      << "longer than need be; a surrogate; beyond the last";
+  EXPECT_EQ(ForeignWords(std::string(5000, 'x')).size(), 1003U);
+}
+
+/// In a whole run.
+class StrangersInARun : public ForeignRun {};
+
+TEST_F(StrangersInARun, LastWordsThatAreNoTextAreAScoredFailure) {
+  WriteProgram("slam.py", Answering("  sys.stderr.buffer.write(b'\\xff\\x1b[2J gone\\n'); sys.exit(3)\n"));
+  const ProgramResult result = Run("{process: [./slam.py]}");
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_EQ(ScoresOf()["run"]["system_failed"], "at frame 1 it exited with 3: ??[2J gone");
+}
+
+}  // namespace
+}  // namespace gaitcam
