@@ -37,7 +37,8 @@ class Mobif : public BlurAwareFeature {
     if (regions.empty() && options_.regions) regions = SegmentBlurField(grey);
     if (regions.empty()) regions = {{cv::Rect({0, 0}, grey.size()), psf_->EstimateWhole(grey)}};
     for (BlurRegion& region : regions)
-      region.estimate.blurred &= region.estimate.blur.extent_px >= options_.min_extent_px;
+      region.estimate.blurred &=
+          std::max(region.estimate.blur.extent_px, region.path.Length()) >= options_.min_extent_px;
     return regions;
   }
 
@@ -57,13 +58,8 @@ class Mobif : public BlurAwareFeature {
     const bool of_light =
         options_.light == BlurDomain::kLinear ||
         (options_.light == BlurDomain::kAuto && BlurActedOnLight(grey(blurred->rectangle), blurred->estimate.blur));
-    const cv::Mat restored = Restored(of_light ? LightOfGrey(grey) : Unchanged(grey), regions);
+    const cv::Mat restored = RestoreRegions(of_light ? LightOfGrey(grey) : Unchanged(grey), regions, options_.wiener);
     return BuildScaleSpace(of_light ? GreyOfLight(restored) : restored, options_.scale_space);
-  }
-
-  cv::Mat Restored(const cv::Mat& values, const std::vector<BlurRegion>& regions) const {
-    if (regions.size() == 1) return RestoreWiener(values, regions.front().estimate.blur, options_.wiener);
-    return RestoreRegions(values, regions, options_.wiener);
   }
 
   /// Grey values from 0 to 1.
