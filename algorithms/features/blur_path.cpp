@@ -46,11 +46,15 @@ ComplexMatrix Waves(const std::vector<double>& frequencies, const PathPoints& po
 }  // namespace
 
 PlaneGain PathTransfer(const BlurPath& path, const cv::Size& plane) {
-  return PathTransfer(path, plane, plane.width / 2 + 1);
+  std::vector<double> fx, fy;
+  for (int x = 0; x <= plane.width / 2; ++x) fx.push_back(double(x) / plane.width);
+  for (int y = 0; y < plane.height; ++y)
+    fy.push_back(double(y <= plane.height / 2 ? y : y - plane.height) / plane.height);
+  return PathTransfer(path, fx, fy);
 }
 
-PlaneGain PathTransfer(const BlurPath& path, const cv::Size& plane, int columns) {
-  GAITCAM_ASSERT(!path.empty() && plane.area() > 0);
+PlaneGain PathTransfer(const BlurPath& path, const std::vector<double>& fx, const std::vector<double>& fy) {
+  GAITCAM_ASSERT(!path.empty());
   constexpr double kStep_px = 0.5;  // what is lost of a piece's own extent: 0.1 in 1 at half a cycle per pixel
   PathPoints points = Scatter(path, kStep_px);
   // Neighbours closer than half a step are one: a path of many instants costs no more than a long one.
@@ -65,9 +69,6 @@ PlaneGain PathTransfer(const BlurPath& path, const cv::Size& plane, int columns)
       merged.shares.push_back(points.shares[k]);
     }
   }
-  std::vector<double> fx, fy;
-  for (int x = 0; x < columns; ++x) fx.push_back(double(x) / plane.width);
-  for (int y = 0; y < plane.height; ++y) fy.push_back(double(y <= plane.height / 2 ? y : y - plane.height) / plane.height);
   ComplexMatrix down = Waves(fy, merged, 1);
   for (long k = 0; k < down.cols(); ++k) down.col(k) *= float(merged.shares[size_t(k)]);
   return (down * Waves(fx, merged, 0).transpose()).array();

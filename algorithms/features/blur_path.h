@@ -19,8 +19,8 @@ using PlaneGain = Eigen::Array<std::complex<float>, Eigen::Dynamic, Eigen::Dynam
 /// H(f), the mean over the exposure of exp(-2 pi i f . p(t)). Cycles per pixel; H(0) = 1.
 /// @param path not empty.
 PlaneGain PathTransfer(const BlurPath& path, const cv::Size& plane);
-/// The same at the first `columns` columns alone.
-PlaneGain PathTransfer(const BlurPath& path, const cv::Size& plane, int columns);
+/// The same at frequencies of one's own choice: a row for each of fy, a column for each of fx.
+PlaneGain PathTransfer(const BlurPath& path, const std::vector<double>& fx, const std::vector<double>& fy);
 
 /// The same path through `count` points at equal steps of time.
 BlurPath Resampled(const BlurPath& path, int count);

@@ -7,9 +7,13 @@
 #include "algorithms/features/descriptor_entropy.h"
 #include "algorithms/features/light_response.h"
 #include "algorithms/features/psf.h"
+#include "algorithms/features/psf_path.h"
 
 namespace gaitcam {
 namespace {
+
+constexpr double kSureOfLine = 0.9;       ///< A line that the image agrees with so well is not looked into further.
+constexpr double kLeastConfidence = 0.2;  ///< Of a path, below which the image is taken for sharp.
 
 class Mobif : public BlurAwareFeature {
  public:
@@ -35,11 +39,22 @@ class Mobif : public BlurAwareFeature {
   std::vector<BlurRegion> Regions(const cv::Mat& grey) const {
     std::vector<BlurRegion> regions = KnownRegions(grey.size());
     if (regions.empty() && options_.regions) regions = SegmentBlurField(grey);
-    if (regions.empty()) regions = {{cv::Rect({0, 0}, grey.size()), psf_->EstimateWhole(grey)}};
+    if (regions.empty()) {
+      regions = {{cv::Rect({0, 0}, grey.size()), psf_->EstimateWhole(grey)}};
+      if (options_.paths && regions.front().estimate.confidence < kSureOfLine) regions.front() = AlongAPath(grey);
+    }
     for (BlurRegion& region : regions)
       region.estimate.blurred &=
           std::max(region.estimate.blur.extent_px, region.path.Length()) >= options_.min_extent_px;
     return regions;
+  }
+
+  /// @returns the whole image; its estimate's line is the chord of the path.
+  BlurRegion AlongAPath(const cv::Mat& grey) const {
+    const PathEstimate found = EstimatePath(grey);
+    BlurRegion region{cv::Rect({0, 0}, grey.size()), {found.path.Chord(), found.confidence, false}, found.path};
+    region.estimate.blurred = found.confidence >= kLeastConfidence;
+    return region;
   }
 
   /// As it is, adapted or restored.
@@ -57,9 +72,14 @@ class Mobif : public BlurAwareFeature {
       return BuildAdaptedScaleSpace(Unchanged(grey), blurred->estimate.blur, options_.scale_space, adapted_sigma_);
     const bool of_light =
         options_.light == BlurDomain::kLinear ||
-        (options_.light == BlurDomain::kAuto && BlurActedOnLight(grey(blurred->rectangle), blurred->estimate.blur));
+        (options_.light == BlurDomain::kAuto && ActedOnLight(grey, regions, *blurred));
     const cv::Mat restored = RestoreRegions(of_light ? LightOfGrey(grey) : Unchanged(grey), regions, options_.wiener);
     return BuildScaleSpace(of_light ? GreyOfLight(restored) : restored, options_.scale_space);
+  }
+
+  static bool ActedOnLight(const cv::Mat& grey, const std::vector<BlurRegion>& regions, const BlurRegion& largest) {
+    if (!largest.path.empty()) return PathsActedOnLight(grey, regions);
+    return BlurActedOnLight(grey(largest.rectangle), largest.estimate.blur);
   }
 
   /// Grey values from 0 to 1.
@@ -94,6 +114,12 @@ MobifOptions MobifFastOptions() {
   options.wiener.border_passes = 2;
   options.scale_space.sigma = 1.4;
   options.points_per_megapixel = 8000;
+  return options;
+}
+
+MobifOptions MobifPathOptions() {
+  MobifOptions options;
+  options.paths = true;
   return options;
 }
 

@@ -28,6 +28,8 @@ struct MobifOptions {
   double min_extent_px = 6;      ///< A shorter blur is left alone.
   /// Of the estimate, from which the image is restored; below, a blurred image's scale space is adapted.
   double restore_confidence = 0.6;
+  /// Blur along bent and uneven paths too (psf_path.h), where a line does not explain the image: a second or two more.
+  bool paths = false;
   bool regions = false;  ///< Blur that varies over the image (blur_field.h) instead of one for all of it.
   BlurDomain light = BlurDomain::kAuto;  ///< `auto`: judged by the image.
   WienerOptions wiener;
@@ -51,6 +53,7 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("psf", o.psf, AnyText(), "estimator of the point spread function");
   visit("min_extent_px", o.min_extent_px, AtLeast(0), "a shorter blur is left alone");
   visit("restore_confidence", o.restore_confidence, Between(0, 1), "from which the image is restored");
+  visit("paths", o.paths, Nested(), "blur along bent and uneven paths too");
   visit("regions", o.regions, Nested(), "blur that varies over the image");
   visit("light", o.light, EnumWords<BlurDomain>(),
         "what the blur averaged: light, grey values, or judged by the image");
@@ -65,6 +68,8 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
 
 /// Options that cost about half as much: fewer points.
 MobifOptions MobifFastOptions();
+/// Options that also look for blur along a path.
+MobifOptions MobifPathOptions();
 
 /// @throws BadOption, BadInput on an unknown estimator.
 cv::Ptr<BlurAwareFeature> MakeMobif(const MobifOptions& options = {});

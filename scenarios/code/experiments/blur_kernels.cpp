@@ -72,7 +72,7 @@ Features Told(double error_px, const FilmedBlur& film, int most) {
 }
 
 Features Forced(double restore_confidence, const FilmedBlur& film, int most) {
-  MobifOptions options;
+  MobifOptions options = MobifPathOptions();
   options.restore_confidence = restore_confidence;
   return DetectFeatures(*MakeMobif(options), film.grey, most);
 }
@@ -85,10 +85,10 @@ struct Way {
 const std::vector<Way>& Ways() {
   static const std::vector<Way> ways = [] {
     std::vector<Way> all;
-    for (const char* name : {"sift", "mobif_adapt", "mobif_restore", "mobif_fast", "mobif"})
+    for (const char* name : {"sift", "mobif_adapt", "mobif_restore", "mobif_fast", "mobif", "mobif_path"})
       all.push_back({name, name, [name](const FilmedBlur& f, int most) { return ByName(name, f, most); }});
-    all.push_back({"mobif, always restored", "mobif", [](const FilmedBlur& f, int n) { return Forced(0, f, n); }});
-    all.push_back({"mobif, always adapted", "mobif", [](const FilmedBlur& f, int n) { return Forced(1, f, n); }});
+    all.push_back({"mobif_path, always restored", "mobif", [](const FilmedBlur& f, int n) { return Forced(0, f, n); }});
+    all.push_back({"mobif_path, always adapted", "mobif", [](const FilmedBlur& f, int n) { return Forced(1, f, n); }});
     all.push_back({"mobif, path known", "mobif", [](const FilmedBlur& f, int n) { return Told(0, f, n); }});
     all.push_back({"mobif, path known to 1 px", "mobif", [](const FilmedBlur& f, int n) { return Told(1, f, n); }});
     return all;
