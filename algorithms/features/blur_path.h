@@ -31,7 +31,7 @@ using PathAt = std::function<BlurPath(const Eigen::Vector2d& pixel)>;
 struct PathDivisionOptions {
   double tolerance_px = 1;       ///< Regions are divided until a point of the path varies by less than this,
   double tolerance_share = 0.1;  ///< or by this part of the path's length,
-  int min_region_px = 40;        ///< or would be smaller than this.
+  int min_region_px = 24;        ///< or would be smaller than this.
 };
 
 /// Cuts an image in halves until the path hardly varies over each part. Every part carries the path of its middle, with

@@ -56,7 +56,9 @@ cv::Ptr<cv::Feature2D> MakeMobifFast(double sensitivity) {
   return MakeMobif(Sensitive(MobifFastOptions(), sensitivity));
 }
 
-cv::Ptr<cv::Feature2D> MakeMobifPath(double sensitivity) { return MakeMobif(Sensitive(MobifPathOptions(), sensitivity)); }
+cv::Ptr<cv::Feature2D> MakeMobifPath(double sensitivity) {
+  return MakeMobif(Sensitive(MobifPathOptions(), sensitivity));
+}
 
 cv::Ptr<cv::Feature2D> MakeThesisRestore(double sensitivity) {
   MobifRestoreOptions options;

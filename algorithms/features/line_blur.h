@@ -33,7 +33,8 @@ struct LineBlur {
   }
 };
 
-/// Any motion of a point's image during the exposure, as an exposure of a walk has it: bent, and faster here than there.
+/// Any motion of a point's image during the exposure, as an exposure of a walk has it: bent, and faster here than
+/// there.
 struct BlurPath {
   /// Where the light of a pixel went, px from that pixel, at equal steps of time from shutter open to close; straight
   /// and even in between. Fewer than two: no motion.

@@ -12,8 +12,7 @@
 namespace gaitcam {
 namespace {
 
-constexpr double kSureOfLine = 0.9;       ///< A line that the image agrees with so well is not looked into further.
-constexpr double kLeastConfidence = 0.2;  ///< Of a path, below which the image is taken for sharp.
+constexpr double kSureOfLine = 0.9;  ///< A line that the image agrees with so well is not looked into further.
 
 class Mobif : public BlurAwareFeature {
  public:
@@ -26,10 +25,13 @@ class Mobif : public BlurAwareFeature {
 
  private:
   Features Extract(const cv::Mat& grey, int most) override {
-    const ScaleSpace space = WithoutBlur(grey, Regions(grey));
+    const std::vector<BlurRegion> regions = Regions(grey);
+    const ScaleSpace space = WithoutBlur(grey, regions);
+    const bool sharp =
+        std::none_of(regions.begin(), regions.end(), [](const BlurRegion& r) { return r.estimate.blurred; });
+    const double density = sharp ? options_.sharp_points_per_megapixel : options_.points_per_megapixel;
     HessianOptions hessian = options_.hessian;
-    hessian.max_points =
-        std::min(hessian.max_points, int(options_.points_per_megapixel * 1e-6 * double(grey.total())) + 1);
+    hessian.max_points = std::min(hessian.max_points, int(density * 1e-6 * double(grey.total())) + 1);
     const std::vector<ScalePoint> points = DetectHessian(space, hessian);
     if (!options_.discard_low_entropy) return DescribeSift(space, points, options_.sift, most);
     return DiscardLowEntropy(DescribeSift(space, points, options_.sift));
@@ -39,22 +41,21 @@ class Mobif : public BlurAwareFeature {
   std::vector<BlurRegion> Regions(const cv::Mat& grey) const {
     std::vector<BlurRegion> regions = KnownRegions(grey.size());
     if (regions.empty() && options_.regions) regions = SegmentBlurField(grey);
-    if (regions.empty()) {
-      regions = {{cv::Rect({0, 0}, grey.size()), psf_->EstimateWhole(grey)}};
-      if (options_.paths && regions.front().estimate.confidence < kSureOfLine) regions.front() = AlongAPath(grey);
-    }
+    if (regions.empty()) regions = {EstimatedWhole(grey)};
     for (BlurRegion& region : regions)
       region.estimate.blurred &=
           std::max(region.estimate.blur.extent_px, region.path.Length()) >= options_.min_extent_px;
     return regions;
   }
 
-  /// @returns the whole image; its estimate's line is the chord of the path.
-  BlurRegion AlongAPath(const cv::Mat& grey) const {
-    const PathEstimate found = EstimatePath(grey);
-    BlurRegion region{cv::Rect({0, 0}, grey.size()), {found.path.Chord(), found.confidence, false}, found.path};
-    region.estimate.blurred = found.confidence >= kLeastConfidence;
-    return region;
+  /// A line, or a path where no line explains the image as well and restoring along the path likely gains.
+  BlurRegion EstimatedWhole(const cv::Mat& grey) const {
+    const cv::Rect whole({0, 0}, grey.size());
+    const BlurEstimate line = psf_->EstimateWhole(grey);
+    if (!options_.paths || line.confidence >= kSureOfLine) return {whole, line};
+    const PathEstimate found = EstimatePath(grey, line.blur);
+    if (found.straight || found.confidence < options_.restore_confidence) return {whole, line};
+    return {whole, {found.path.Chord(), found.confidence, true}, found.path};
   }
 
   /// As it is, adapted or restored.
@@ -70,9 +71,8 @@ class Mobif : public BlurAwareFeature {
     }
     if (regions.size() == 1 && blurred->estimate.confidence < options_.restore_confidence)
       return BuildAdaptedScaleSpace(Unchanged(grey), blurred->estimate.blur, options_.scale_space, adapted_sigma_);
-    const bool of_light =
-        options_.light == BlurDomain::kLinear ||
-        (options_.light == BlurDomain::kAuto && ActedOnLight(grey, regions, *blurred));
+    const bool of_light = options_.light == BlurDomain::kLinear ||
+                          (options_.light == BlurDomain::kAuto && ActedOnLight(grey, regions, *blurred));
     const cv::Mat restored = RestoreRegions(of_light ? LightOfGrey(grey) : Unchanged(grey), regions, options_.wiener);
     return BuildScaleSpace(of_light ? GreyOfLight(restored) : restored, options_.scale_space);
   }

@@ -38,8 +38,10 @@ struct MobifOptions {
   /// of 0.14 px on a walk) for twice the time, but crowds out the coarser points that a blurred image still has.
   bool double_sharp = false;
   HessianOptions hessian;
-  /// At most so many points per million pixels; the strongest are kept. hessian.max_points holds as well.
+  /// At most so many points per million pixels; the strongest are kept. hessian.max_points holds as well. Of a sharp
+  /// image, whose fine textures have more of them, so many.
   double points_per_megapixel = 14000;
+  double sharp_points_per_megapixel = 14000;
   SiftOptions sift;
   /// As the second approach does (thesis, section 5.3.2). Here it costs a fifth of the correct matches and gains no
   /// precision.
@@ -62,11 +64,12 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("double_sharp", o.double_sharp, Nested(), "begin at twice the resolution where the image is sharp");
   visit("hessian", o.hessian, Nested(), "interest points");
   visit("points_per_megapixel", o.points_per_megapixel, AtLeast(100), "at most; the strongest are kept");
+  visit("sharp_points_per_megapixel", o.sharp_points_per_megapixel, AtLeast(100), "the same of a sharp image");
   visit("sift", o.sift, Nested(), "descriptors");
   visit("discard_low_entropy", o.discard_low_entropy, Nested(), "discard features of low entropy");
 }
 
-/// Options that cost about half as much: fewer points.
+/// Options that cost about half as much: fewer points of a blurred image.
 MobifOptions MobifFastOptions();
 /// Options that also look for blur along a path.
 MobifOptions MobifPathOptions();

@@ -2,9 +2,9 @@
 ///
 /// A line's spectrum has zeros at equal steps, and psf_spectral.h looks for these. A path whose speed or direction
 /// changes has none; but its |H|^2 is known once the path is, so the path is found whose |H|^2 agrees best with the
-/// logarithm of the image's power. What pictures have of their own, a slope over the frequency and a preference for some
-/// directions, is taken out of both before they are compared. The spectrum has no phases: a path and the same one turned
-/// by half a turn have the same, and a second look at the image decides (CompareEdges).
+/// logarithm of the image's power. What pictures have of their own, a slope over the frequency and a preference for
+/// some directions, is taken out of both before they are compared. The spectrum has no phases: a path and the same one
+/// turned by half a turn have the same, and a second look at the image decides (CompareEdges).
 
 #pragma once
 
@@ -50,13 +50,14 @@ class PathSpectrum {
 
  private:
   static constexpr int kBands = 3;
-  /// Frequencies up to a limit: the lower ones are hardly moved by what is small of a path, and lead to the higher ones.
+  /// Frequencies up to a limit: the lower ones are hardly moved by what is small of a path, and lead to the higher
+  /// ones.
   struct Band {
-    long samples = 0;          ///< The first so many.
-    int reach = 0;             ///< Highest frequency, in parts of 1 / kWindow_px.
-    float depth = 0;           ///< Root mean square of `seen` before it was scaled, natural logarithms of power.
-    Eigen::MatrixXf picture;   ///< Orthonormal columns: what pictures have of their own.
-    Eigen::VectorXf seen;      ///< The image's log power without these, scaled to length 1.
+    long samples = 0;         ///< The first so many.
+    int reach = 0;            ///< Highest frequency, in parts of 1 / kWindow_px.
+    float depth = 0;          ///< Root mean square of `seen` before it was scaled, natural logarithms of power.
+    Eigen::MatrixXf picture;  ///< Orthonormal columns: what pictures have of their own.
+    Eigen::VectorXf seen;     ///< The image's log power without these, scaled to length 1.
   };
 
   Band MakeBand(double highest) const;
@@ -80,18 +81,19 @@ EdgeSpreads CompareEdges(const cv::Mat& image, const BlurPath& path);
 
 /// What the image alone says of a blur along any path.
 struct PathEstimate {
-  BlurPath path;         ///< Empty if the image has no contrast, or is smaller than 64 x 64 px.
-  bool of_light = false; ///< The blur acted on light (light_response.h): its spectrum agrees better.
-  double agreement = 0;  ///< PathFit's.
-  double depth = 0;      ///< Of the image's log power, what the path explains, root mean square, natural logarithm.
+  BlurPath path;           ///< Empty if the image has no contrast, or is smaller than 64 x 64 px.
+  bool straight = false;   ///< The line that was given explains the image as well.
+  bool of_light = false;   ///< The blur acted on light (light_response.h): its spectrum agrees better.
+  double agreement = 0;    ///< PathFit's.
+  double depth = 0;        ///< Of the image's log power, what the path explains: root mean square, natural logarithm.
   double orientation = 0;  ///< Logarithm of how much fewer edges the path has than the one turned by half a turn,
   double sharpened = 0;    ///< and than the image.
-  double confidence = 0; ///< Share of such estimates by which an image gains when it is restored.
+  double confidence = 0;   ///< Share of such estimates by which an image gains when it is restored.
 };
 
 /// Takes a second or two.
-/// @param grey CV_8UC1.
-PathEstimate EstimatePath(const cv::Mat& grey, double min_extent_px = 5, double max_extent_px = 60);
+/// @param grey CV_8UC1. @param line what a line was found to be (psf_spectral.h).
+PathEstimate EstimatePath(const cv::Mat& grey, const LineBlur& line);
 
 /// Whether the blur of known paths acted on light. @param regions as RestoreRegions.
 bool PathsActedOnLight(const cv::Mat& grey, const std::vector<BlurRegion>& regions);

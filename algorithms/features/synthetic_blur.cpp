@@ -145,8 +145,7 @@ cv::Mat BlurAlong(const cv::Mat& image, const ImageMotion& motion) {
   for (size_t i = 0; i + 1 < motion.shifts.size(); ++i) {
     const Eigen::Matrix2d R =
         Eigen::Rotation2Dd(0.5 * (motion.turns_rad[i] + motion.turns_rad[i + 1])).toRotationMatrix();
-    const Eigen::Vector2d t =
-        motion.centre - R * motion.centre + 0.5 * (motion.shifts[i] + motion.shifts[i + 1]);
+    const Eigen::Vector2d t = motion.centre - R * motion.centre + 0.5 * (motion.shifts[i] + motion.shifts[i + 1]);
     const cv::Matx23d M(R(0, 0), R(0, 1), t.x(), R(1, 0), R(1, 1), t.y());
     cv::warpAffine(image, moved, M, image.size(), cv::INTER_LINEAR, cv::BORDER_REFLECT_101);
     sum += moved;

@@ -42,8 +42,8 @@ constexpr auto WordsOf(BlurKind) {
 
 /// A motion of the image in its plane: what lies at p without blur lies at c + R(turn) (p - c) + shift.
 struct ImageMotion {
-  std::vector<Eigen::Vector2d> shifts;  ///< px, at equal steps of time from shutter open to close; mean 0.
-  std::vector<double> turns_rad;        ///< At the same times; positive from x to y.
+  std::vector<Eigen::Vector2d> shifts;               ///< px, at equal steps of time from shutter open to close; mean 0.
+  std::vector<double> turns_rad;                     ///< At the same times; positive from x to y.
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< c, px.
 
   /// Where the light of a pixel went.

@@ -49,8 +49,8 @@ cv::Mat RestoreWiener(const cv::Mat& image, const LineBlur& blur, const WienerOp
 /// @param path not empty.
 cv::Mat RestoreWiener(const cv::Mat& image, const BlurPath& path, const WienerOptions& options);
 
-/// The same where parts of the image have a blur, or a path, of their own. Each part is restored with some of its surroundings;
-/// neighbours fade into each other over `kSeam_px` on either side of their border.
+/// The same where parts of the image have a blur, or a path, of their own. Each part is restored with some of its
+/// surroundings; neighbours fade into each other over `kSeam_px` on either side of their border.
 /// @param regions that cover the image. One whose estimate is not `blurred` stays as it is.
 cv::Mat RestoreRegions(const cv::Mat& image, const std::vector<BlurRegion>& regions, const WienerOptions& options);
 constexpr int kSeam_px = 8;

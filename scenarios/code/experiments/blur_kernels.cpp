@@ -13,6 +13,7 @@
 #include "algorithms/features/light_response.h"
 #include "algorithms/features/mobif.h"
 #include "algorithms/features/psf.h"
+#include "algorithms/features/psf_path.h"
 #include "scenarios/code/experiments/table_experiment.h"
 
 namespace gaitcam {
@@ -23,6 +24,7 @@ struct FilmedBlur {
   cv::Mat grey;
   ImageMotion motion;
   uint64_t seed = 0;
+  PathEstimate found;  ///< By the image alone.
 };
 
 FilmedBlur Film(const cv::Mat& grey, const ImageMotion& motion, const CameraSetting& setting, uint64_t seed) {
@@ -35,7 +37,7 @@ FilmedBlur Film(const cv::Mat& grey, const ImageMotion& motion, const CameraSett
   RandomStream random(seed, "noise");
   for (int y = 0; y < values.rows && setting.noise_sigma > 0; ++y)
     for (int x = 0; x < values.cols; ++x) values.at<float>(y, x) += float(random.Normal(0, setting.noise_sigma));
-  FilmedBlur film{{}, motion.Cropped({double(kCrop_px), double(kCrop_px)}), seed};
+  FilmedBlur film{{}, motion.Cropped({double(kCrop_px), double(kCrop_px)}), seed, {}};
   values.convertTo(film.grey, CV_8U);
   if (setting.jpeg_quality > 0) {
     std::vector<uchar> bytes;
@@ -71,10 +73,20 @@ Features Told(double error_px, const FilmedBlur& film, int most) {
   return DetectFeatures(*mobif, film.grey, most);
 }
 
-Features Forced(double restore_confidence, const FilmedBlur& film, int most) {
-  MobifOptions options = MobifPathOptions();
-  options.restore_confidence = restore_confidence;
-  return DetectFeatures(*MakeMobif(options), film.grey, most);
+/// What was found, restored however sure it is, or its chord adapted to.
+Features Forced(bool restore, const FilmedBlur& film, int most) {
+  const cv::Rect whole({0, 0}, film.grey.size());
+  if (film.found.path.empty()) return ByName("mobif", film, most);
+  const double confidence = restore ? 1 : 0;
+  const cv::Ptr<BlurAwareFeature> mobif = MakeMobif();
+  mobif->SetBlurRegions({{whole, {film.found.path.Chord(), confidence, true}, film.found.path}});
+  return DetectFeatures(*mobif, film.grey, most);
+}
+
+Features LeftAlone(const FilmedBlur& film, int most) {
+  const cv::Ptr<BlurAwareFeature> mobif = MakeMobif();
+  mobif->SetBlur(LineBlur{});
+  return DetectFeatures(*mobif, film.grey, most);
 }
 
 struct Way {
@@ -82,13 +94,17 @@ struct Way {
   std::function<Features(const FilmedBlur&, int most)> extract;
 };
 
+const std::string kLeftAlone = "mobif, left alone", kRestored = "mobif, found path restored",
+                  kAdapted = "mobif, found chord adapted to";
+
 const std::vector<Way>& Ways() {
   static const std::vector<Way> ways = [] {
     std::vector<Way> all;
     for (const char* name : {"sift", "mobif_adapt", "mobif_restore", "mobif_fast", "mobif", "mobif_path"})
       all.push_back({name, name, [name](const FilmedBlur& f, int most) { return ByName(name, f, most); }});
-    all.push_back({"mobif_path, always restored", "mobif", [](const FilmedBlur& f, int n) { return Forced(0, f, n); }});
-    all.push_back({"mobif_path, always adapted", "mobif", [](const FilmedBlur& f, int n) { return Forced(1, f, n); }});
+    all.push_back({kLeftAlone, "mobif", LeftAlone});
+    all.push_back({kRestored, "mobif", [](const FilmedBlur& f, int n) { return Forced(true, f, n); }});
+    all.push_back({kAdapted, "mobif", [](const FilmedBlur& f, int n) { return Forced(false, f, n); }});
     all.push_back({"mobif, path known", "mobif", [](const FilmedBlur& f, int n) { return Told(0, f, n); }});
     all.push_back({"mobif, path known to 1 px", "mobif", [](const FilmedBlur& f, int n) { return Told(1, f, n); }});
     return all;
@@ -108,20 +124,20 @@ std::vector<KernelTrial> RunPair(const ImagePair& pair, const CameraSetting& set
   const auto add = [&](BlurKind kind, double extent_px) {
     RandomStream random(options.seed, fmt::format("{} {} {}", pair.name, ToWord(kind), extent_px));
     const uint64_t seed = uint64_t(random.Index(1 << 30));
-    const FilmedBlur film = Film(pair.b, DrawMotion(kind, extent_px, pair.b.size(), seed), setting, seed);
-    KernelTrial trial{pair.name, setting.name, kind, extent_px, {}, 0, false};
+    FilmedBlur film = Film(pair.b, DrawMotion(kind, extent_px, pair.b.size(), seed), setting, seed);
+    film.found = EstimatePath(film.grey, MakePsfEstimator(MobifOptions().psf)->EstimateWhole(film.grey).blur);
+    KernelTrial trial{pair.name, setting.name, kind, extent_px, {}, film.found.confidence};
+    trial.of_light = film.found.of_light;
+    trial.straight = film.found.straight;
+    if (extent_px > 0) trial.found_apart_px = PathDistance(film.found.path, film.motion.PathAt(film.motion.centre));
     for (const Way& way : Ways())
-      trial.ways.push_back(CountMatches(of_sharp[way.sharp], way.extract(film, options.max_features), map,
-                                        {options.ratio})
-                               .front());
-    const BlurEstimate estimate = MakePsfEstimator(MobifOptions().psf)->EstimateWhole(film.grey);
-    trial.confidence = estimate.confidence;
-    trial.blurred = estimate.blurred;
+      trial.ways.push_back(
+          CountMatches(of_sharp[way.sharp], way.extract(film, options.max_features), map, {options.ratio}).front());
     trials.push_back(trial);
   };
   add(BlurKind::kLine, 0);
-  for (const auto& word : WordsOf(BlurKind{}))
-    for (const double extent_px : options.extents_px) add(word.value, extent_px);
+  for (const BlurKind kind : options.kinds)
+    for (const double extent_px : options.extents_px) add(kind, extent_px);
   return trials;
 }
 
@@ -176,56 +192,82 @@ std::string CellText(const std::vector<const KernelTrial*>& cell, size_t way) {
   return fmt::format("{} ({:.1f}), {:.0f} %", sum.correct, times, 100 * sum.Precision());
 }
 
+/// A row for each way, a column for each extent.
+std::string KindTable(const std::vector<KernelTrial>& trials, const std::string& setting, BlurKind kind,
+                      const std::vector<double>& extents) {
+  std::string head = "| " + std::string(ToWord(kind)) + " |", line = "|---|", rows;
+  for (const double extent : extents) {
+    head += extent > 0 ? fmt::format(" {:.0f} px |", extent) : " sharp |";
+    line += "---:|";
+  }
+  for (size_t way = 0; way < Ways().size(); ++way) {
+    rows += "| " + Ways()[way].name + " |";
+    for (const double extent : extents) rows += " " + CellText(CellOf(trials, setting, kind, extent), way) + " |";
+    rows += "\n";
+  }
+  return head + "\n" + line + "\n" + rows + "\n";
+}
+
 std::string KindTables(const std::vector<KernelTrial>& trials, const std::string& setting,
                        const std::vector<double>& extents) {
   std::string text;
   for (const auto& word : WordsOf(BlurKind{})) {
-    text += fmt::format("| {} |", word.word);
-    std::string line = "|---|";
-    for (const double extent : extents) {
-      if (extent == 0 && word.value != BlurKind::kLine) continue;
-      text += extent > 0 ? fmt::format(" {:.0f} px |", extent) : " sharp |";
-      line += "---:|";
-    }
-    text += "\n" + line + "\n";
-    for (size_t way = 0; way < Ways().size(); ++way) {
-      text += "| " + Ways()[way].name + " |";
-      for (const double extent : extents) {
-        if (extent == 0 && word.value != BlurKind::kLine) continue;
-        text += " " + CellText(CellOf(trials, setting, word.value, extent), way) + " |";
-      }
-      text += "\n";
-    }
-    text += "\n";
+    std::vector<double> of_kind;  // the sharp image stands with the lines
+    for (const double extent : extents)
+      if (!CellOf(trials, setting, word.value, extent).empty()) of_kind.push_back(extent);
+    if (!of_kind.empty()) text += KindTable(trials, setting, word.value, of_kind);
   }
   return text;
 }
 
-/// Of the images that `mobif` was as sure of, how many gained by being restored.
+/// Of the images whose path was found with such a confidence, how many gained by being restored along it.
 std::string ConfidenceTable(const std::vector<KernelTrial>& trials) {
-  const auto way = [](const char* name) {
-    const std::vector<std::string> names = KernelWays();
+  constexpr int kBins = 5;
+  const auto way = [names = KernelWays()](const std::string& name) {
     return size_t(std::find(names.begin(), names.end(), name) - names.begin());
   };
-  const size_t restored = way("mobif, always restored"), adapted = way("mobif, always adapted");
+  const size_t restored = way(kRestored), adapted = way(kAdapted), alone = way(kLeftAlone);
   std::string text =
-      "| confidence | images | mean confidence | restored has more than adapted | verdict blurred |\n"
+      "| confidence | images | mean confidence | share that gained | of them sharp or turned |\n"
       "|---|---:|---:|---:|---:|\n";
-  for (int tenth = 0; tenth < 10; ++tenth) {
-    int all = 0, gains = 0, blurred = 0;
+  for (int bin = 0; bin < kBins; ++bin) {
+    int all = 0, gains = 0, none = 0;
     double sum = 0;
     for (const KernelTrial& t : trials) {
-      if (t.extent_px == 0 || std::min(9, int(t.confidence * 10)) != tenth) continue;
+      if (std::min(kBins - 1, int(t.confidence * kBins)) != bin) continue;
       ++all;
       sum += t.confidence;
-      blurred += t.blurred;
-      gains += t.ways[restored].correct > t.ways[adapted].correct;
+      none += t.extent_px == 0 || t.kind == BlurKind::kRotation;
+      gains += t.ways[restored].correct > std::max(t.ways[adapted].correct, t.ways[alone].correct);
     }
     if (all > 0)
-      text += fmt::format("| {:.1f} to {:.1f} | {} | {:.2f} | {:.2f} | {} |\n", 0.1 * tenth, 0.1 * (tenth + 1), all,
-                          sum / all, double(gains) / all, blurred);
+      text += fmt::format("| {:.1f} to {:.1f} | {} | {:.2f} | {:.2f} | {} |\n", double(bin) / kBins,
+                          double(bin + 1) / kBins, all, sum / all, double(gains) / all, none);
   }
   return text;
+}
+
+/// How near the found path is to the true one, and in how many images it was told right what the blur acted on.
+std::string PathErrorTable(const std::vector<KernelTrial>& trials, const std::vector<std::string>& settings) {
+  std::string text =
+      "| setting | kind | images | found path off by (quartiles) | light or grey values told right |\n"
+      "|---|---|---:|---:|---:|\n";
+  for (const std::string& setting : settings)
+    for (const auto& word : WordsOf(BlurKind{})) {
+      std::vector<double> errors;
+      int right = 0;
+      for (const KernelTrial& t : trials) {
+        if (t.setting != setting || t.kind != word.value || t.extent_px == 0) continue;
+        errors.push_back(t.found_apart_px);
+        right += t.of_light == (setting == "realistic");
+      }
+      if (errors.empty()) continue;
+      std::sort(errors.begin(), errors.end());
+      const auto at = [&](double share) { return errors[size_t(share * double(errors.size() - 1))]; };
+      text += fmt::format("| {} | {} | {} | {:.2f}, {:.2f}, {:.2f} px | {} |\n", setting, word.word, errors.size(),
+                          at(0.25), at(0.5), at(0.75), right);
+    }
+  return text + "\n";
 }
 
 }  // namespace
@@ -248,9 +290,9 @@ std::string KernelTable(const std::vector<KernelTrial>& trials, const std::strin
       "realistic: light added up, JPEG 90. Nearest neighbour, ratio 0.8; correct: within {:.0f} px. Sums over all "
       "pairs; in brackets the factor over `sift`, then precision.\n\n",
       kCrop_px, kCorrect_px);
-  for (const std::string& setting : settings)
-    text += "## " + setting + "\n\n" + KindTables(trials, setting, extents);
-  return text + "## Confidence\n\n" + ConfidenceTable(trials);
+  for (const std::string& setting : settings) text += "## " + setting + "\n\n" + KindTables(trials, setting, extents);
+  return text + "## The path found\n\n" + PathErrorTable(trials, settings) + "## Confidence\n\n" +
+         ConfidenceTable(trials);
 }
 
 }  // namespace gaitcam

@@ -14,6 +14,8 @@
 namespace gaitcam {
 
 struct KernelExperimentOptions {
+  std::vector<BlurKind> kinds = {BlurKind::kLine, BlurKind::kRamp, BlurKind::kArc, BlurKind::kJitter,
+                                 BlurKind::kRotation};
   std::vector<double> extents_px = {10, 20, 30, 40};
   std::vector<std::string> settings = {"noise", "realistic"};  ///< Of CameraSettings.
   uint64_t seed = 1;
@@ -31,15 +33,17 @@ struct KernelTrial {
   BlurKind kind = BlurKind::kLine;
   double extent_px = 0;          ///< 0: sharp.
   std::vector<MatchCount> ways;  ///< As KernelWays.
-  double confidence = 0;         ///< Of `mobif`'s own estimate,
-  bool blurred = false;          ///< and its verdict.
+  double confidence = 0;         ///< Of the path that was found (psf_path.h).
+  double found_apart_px = 0;     ///< PathDistance of that path and the true one; of a rotation, at the middle.
+  bool of_light = false;         ///< The found path's blur acted on light,
+  bool straight = false;         ///< or a line explains the image as well.
 };
 
 std::vector<KernelTrial> RunKernelExperiment(const std::vector<ImagePair>& pairs,
                                              const KernelExperimentOptions& options,
                                              const std::function<void(int done, int all)>& progress);
 
-/// Sums over the pairs, the worst pair, and how often `mobif`'s confidence came true, in Markdown.
+/// Sums over the pairs, and how often the confidence came true, in Markdown.
 std::string KernelTable(const std::vector<KernelTrial>& trials, const std::string& command);
 
 }  // namespace gaitcam
