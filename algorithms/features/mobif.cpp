@@ -54,7 +54,7 @@ class Mobif : public BlurAwareFeature {
     const BlurEstimate line = psf_->EstimateWhole(grey);
     if (!options_.paths || line.confidence >= kSureOfLine) return {whole, line};
     const PathEstimate found = EstimatePath(grey, line.blur);
-    if (found.straight || found.confidence < options_.restore_confidence) return {whole, line};
+    if (found.straight || found.confidence < options_.path_confidence) return {whole, line};
     return {whole, {found.path.Chord(), found.confidence, true}, found.path};
   }
 

@@ -30,6 +30,9 @@ struct MobifOptions {
   double restore_confidence = 0.6;
   /// Blur along bent and uneven paths too (psf_path.h), where a line does not explain the image: a second or two more.
   bool paths = false;
+  /// Of a path, from which the image is restored along it. Higher than restore_confidence: a sharp image that is
+  /// restored by mistake loses nearly all of its features.
+  double path_confidence = 0.8;
   bool regions = false;  ///< Blur that varies over the image (blur_field.h) instead of one for all of it.
   BlurDomain light = BlurDomain::kAuto;  ///< `auto`: judged by the image.
   WienerOptions wiener;
@@ -56,6 +59,7 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("min_extent_px", o.min_extent_px, AtLeast(0), "a shorter blur is left alone");
   visit("restore_confidence", o.restore_confidence, Between(0, 1), "from which the image is restored");
   visit("paths", o.paths, Nested(), "blur along bent and uneven paths too");
+  visit("path_confidence", o.path_confidence, Between(0, 1), "from which the image is restored along a path");
   visit("regions", o.regions, Nested(), "blur that varies over the image");
   visit("light", o.light, EnumWords<BlurDomain>(),
         "what the blur averaged: light, grey values, or judged by the image");
