@@ -56,6 +56,10 @@ cv::Ptr<cv::Feature2D> MakeMobifFast(double sensitivity) {
   return MakeMobif(Sensitive(MobifFastOptions(), sensitivity));
 }
 
+cv::Ptr<cv::Feature2D> MakeMobifPath(double sensitivity) {
+  return MakeMobif(Sensitive(MobifPathOptions(), sensitivity));
+}
+
 cv::Ptr<cv::Feature2D> MakeThesisRestore(double sensitivity) {
   MobifRestoreOptions options;
   options.hessian.threshold /= sensitivity;
@@ -81,6 +85,7 @@ std::vector<Entry> AllFeatures() {
       {{"mobif", "restores, adapts or leaves alone, by how the image is blurred"}, MakeMobifQuality},
       {{"mobif_adapt", "MoBIF, second approach (thesis, section 5.3): adapted scale space"}, MakeThesisAdapt},
       {{"mobif_fast", "mobif in less time, with fewer points"}, MakeMobifFast},
+      {{"mobif_path", "mobif that also finds bent and uneven blur; a second or two more"}, MakeMobifPath},
       {{"mobif_restore", "MoBIF, first approach (thesis, section 5.2): restored image"}, MakeThesisRestore},
       {{"orb", "ORB (Rublee 2011), OpenCV's"}, MakeOrb},
       {{"sift", "SIFT (Lowe 2004), OpenCV's"}, MakeSift},

@@ -33,6 +33,24 @@ struct LineBlur {
   }
 };
 
+/// Any motion of a point's image during the exposure, as an exposure of a walk has it: bent, and faster here than
+/// there.
+struct BlurPath {
+  /// Where the light of a pixel went, px from that pixel, at equal steps of time from shutter open to close; straight
+  /// and even in between. Fewer than two: no motion.
+  std::vector<Eigen::Vector2d> points;
+
+  bool empty() const { return points.size() < 2; }
+  /// The way along it, px.
+  double Length() const {
+    double length = 0;
+    for (size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
+    return length;
+  }
+  /// The line blur of its ends.
+  LineBlur Chord() const { return empty() ? LineBlur{} : LineBlur::FromVector(points.back() - points.front()); }
+};
+
 /// Result of an estimator of the point spread function.
 struct BlurEstimate {
   LineBlur blur;          ///< Best estimate, also where `blurred` is false.
@@ -44,6 +62,7 @@ struct BlurEstimate {
 struct BlurRegion {
   cv::Rect rectangle;
   BlurEstimate estimate;
+  BlurPath path = {};  ///< Where it is known: instead of the line `estimate.blur`, which then only summarises it.
 };
 
 }  // namespace gaitcam

@@ -7,9 +7,12 @@
 #include "algorithms/features/descriptor_entropy.h"
 #include "algorithms/features/light_response.h"
 #include "algorithms/features/psf.h"
+#include "algorithms/features/psf_path.h"
 
 namespace gaitcam {
 namespace {
+
+constexpr double kSureOfLine = 0.9;  ///< A line that the image agrees with so well is not looked into further.
 
 class Mobif : public BlurAwareFeature {
  public:
@@ -22,10 +25,13 @@ class Mobif : public BlurAwareFeature {
 
  private:
   Features Extract(const cv::Mat& grey, int most) override {
-    const ScaleSpace space = WithoutBlur(grey, Regions(grey));
+    const std::vector<BlurRegion> regions = Regions(grey);
+    const ScaleSpace space = WithoutBlur(grey, regions);
+    const bool sharp =
+        std::none_of(regions.begin(), regions.end(), [](const BlurRegion& r) { return r.estimate.blurred; });
+    const double density = sharp ? options_.sharp_points_per_megapixel : options_.points_per_megapixel;
     HessianOptions hessian = options_.hessian;
-    hessian.max_points =
-        std::min(hessian.max_points, int(options_.points_per_megapixel * 1e-6 * double(grey.total())) + 1);
+    hessian.max_points = std::min(hessian.max_points, int(density * 1e-6 * double(grey.total())) + 1);
     const std::vector<ScalePoint> points = DetectHessian(space, hessian);
     if (!options_.discard_low_entropy) return DescribeSift(space, points, options_.sift, most);
     return DiscardLowEntropy(DescribeSift(space, points, options_.sift));
@@ -35,10 +41,21 @@ class Mobif : public BlurAwareFeature {
   std::vector<BlurRegion> Regions(const cv::Mat& grey) const {
     std::vector<BlurRegion> regions = KnownRegions(grey.size());
     if (regions.empty() && options_.regions) regions = SegmentBlurField(grey);
-    if (regions.empty()) regions = {{cv::Rect({0, 0}, grey.size()), psf_->EstimateWhole(grey)}};
+    if (regions.empty()) regions = {EstimatedWhole(grey)};
     for (BlurRegion& region : regions)
-      region.estimate.blurred &= region.estimate.blur.extent_px >= options_.min_extent_px;
+      region.estimate.blurred &=
+          std::max(region.estimate.blur.extent_px, region.path.Length()) >= options_.min_extent_px;
     return regions;
+  }
+
+  /// A line, or a path where no line explains the image as well and restoring along the path likely gains.
+  BlurRegion EstimatedWhole(const cv::Mat& grey) const {
+    const cv::Rect whole({0, 0}, grey.size());
+    const BlurEstimate line = psf_->EstimateWhole(grey);
+    if (!options_.paths || line.confidence >= kSureOfLine) return {whole, line};
+    const PathEstimate found = EstimatePath(grey, line.blur);
+    if (found.straight || found.confidence < options_.path_confidence) return {whole, line};
+    return {whole, {found.path.Chord(), found.confidence, true}, found.path};
   }
 
   /// As it is, adapted or restored.
@@ -54,16 +71,15 @@ class Mobif : public BlurAwareFeature {
     }
     if (regions.size() == 1 && blurred->estimate.confidence < options_.restore_confidence)
       return BuildAdaptedScaleSpace(Unchanged(grey), blurred->estimate.blur, options_.scale_space, adapted_sigma_);
-    const bool of_light =
-        options_.light == BlurDomain::kLinear ||
-        (options_.light == BlurDomain::kAuto && BlurActedOnLight(grey(blurred->rectangle), blurred->estimate.blur));
-    const cv::Mat restored = Restored(of_light ? LightOfGrey(grey) : Unchanged(grey), regions);
+    const bool of_light = options_.light == BlurDomain::kLinear ||
+                          (options_.light == BlurDomain::kAuto && ActedOnLight(grey, regions, *blurred));
+    const cv::Mat restored = RestoreRegions(of_light ? LightOfGrey(grey) : Unchanged(grey), regions, options_.wiener);
     return BuildScaleSpace(of_light ? GreyOfLight(restored) : restored, options_.scale_space);
   }
 
-  cv::Mat Restored(const cv::Mat& values, const std::vector<BlurRegion>& regions) const {
-    if (regions.size() == 1) return RestoreWiener(values, regions.front().estimate.blur, options_.wiener);
-    return RestoreRegions(values, regions, options_.wiener);
+  static bool ActedOnLight(const cv::Mat& grey, const std::vector<BlurRegion>& regions, const BlurRegion& largest) {
+    if (!largest.path.empty()) return PathsActedOnLight(grey, regions);
+    return BlurActedOnLight(grey(largest.rectangle), largest.estimate.blur);
   }
 
   /// Grey values from 0 to 1.
@@ -98,6 +114,12 @@ MobifOptions MobifFastOptions() {
   options.wiener.border_passes = 2;
   options.scale_space.sigma = 1.4;
   options.points_per_megapixel = 8000;
+  return options;
+}
+
+MobifOptions MobifPathOptions() {
+  MobifOptions options;
+  options.paths = true;
   return options;
 }
 

@@ -28,6 +28,11 @@ struct MobifOptions {
   double min_extent_px = 6;      ///< A shorter blur is left alone.
   /// Of the estimate, from which the image is restored; below, a blurred image's scale space is adapted.
   double restore_confidence = 0.6;
+  /// Blur along bent and uneven paths too (psf_path.h), where a line does not explain the image: a second or two more.
+  bool paths = false;
+  /// Of a path, from which the image is restored along it. Higher than restore_confidence: a sharp image that is
+  /// restored by mistake loses nearly all of its features.
+  double path_confidence = 0.8;
   bool regions = false;  ///< Blur that varies over the image (blur_field.h) instead of one for all of it.
   BlurDomain light = BlurDomain::kAuto;  ///< `auto`: judged by the image.
   WienerOptions wiener;
@@ -36,8 +41,10 @@ struct MobifOptions {
   /// of 0.14 px on a walk) for twice the time, but crowds out the coarser points that a blurred image still has.
   bool double_sharp = false;
   HessianOptions hessian;
-  /// At most so many points per million pixels; the strongest are kept. hessian.max_points holds as well.
+  /// At most so many points per million pixels; the strongest are kept. hessian.max_points holds as well. Of a sharp
+  /// image, whose fine textures have more of them, so many.
   double points_per_megapixel = 14000;
+  double sharp_points_per_megapixel = 14000;
   SiftOptions sift;
   /// As the second approach does (thesis, section 5.3.2). Here it costs a fifth of the correct matches and gains no
   /// precision.
@@ -51,6 +58,8 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("psf", o.psf, AnyText(), "estimator of the point spread function");
   visit("min_extent_px", o.min_extent_px, AtLeast(0), "a shorter blur is left alone");
   visit("restore_confidence", o.restore_confidence, Between(0, 1), "from which the image is restored");
+  visit("paths", o.paths, Nested(), "blur along bent and uneven paths too");
+  visit("path_confidence", o.path_confidence, Between(0, 1), "from which the image is restored along a path");
   visit("regions", o.regions, Nested(), "blur that varies over the image");
   visit("light", o.light, EnumWords<BlurDomain>(),
         "what the blur averaged: light, grey values, or judged by the image");
@@ -59,12 +68,15 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("double_sharp", o.double_sharp, Nested(), "begin at twice the resolution where the image is sharp");
   visit("hessian", o.hessian, Nested(), "interest points");
   visit("points_per_megapixel", o.points_per_megapixel, AtLeast(100), "at most; the strongest are kept");
+  visit("sharp_points_per_megapixel", o.sharp_points_per_megapixel, AtLeast(100), "the same of a sharp image");
   visit("sift", o.sift, Nested(), "descriptors");
   visit("discard_low_entropy", o.discard_low_entropy, Nested(), "discard features of low entropy");
 }
 
-/// Options that cost about half as much: fewer points.
+/// Options that cost about half as much: fewer points of a blurred image.
 MobifOptions MobifFastOptions();
+/// Options that also look for blur along a path.
+MobifOptions MobifPathOptions();
 
 /// @throws BadOption, BadInput on an unknown estimator.
 cv::Ptr<BlurAwareFeature> MakeMobif(const MobifOptions& options = {});

@@ -7,6 +7,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/se3.h"
+#include "algorithms/features/blur_path.h"
 #include "algorithms/features/psf_oracle.h"
 
 namespace gaitcam {
@@ -82,6 +83,19 @@ std::vector<Eigen::Vector2d> InertialPsf::Path(const Eigen::Vector2d& pixel) con
 Eigen::Vector2d InertialPsf::BlurVector(const Eigen::Vector2d& pixel) const {
   const std::vector<Eigen::Vector2d> path = Path(pixel);
   return path.back() - path.front();
+}
+
+std::vector<BlurRegion> InertialPsf::Regions() const {
+  const auto path_at = [this](const Eigen::Vector2d& pixel) {
+    BlurPath path{Path(pixel)};
+    for (Eigen::Vector2d& p : path.points) p -= pixel;
+    return std::all_of(path.points.begin(), path.points.end(), [](const auto& p) { return p.allFinite(); })
+               ? path
+               : BlurPath{};
+  };
+  std::vector<BlurRegion> regions = DivideByPath(path_at, {camera_.width_px, camera_.height_px});
+  for (BlurRegion& region : regions) region.estimate.blurred = region.path.Length() >= verdict_px_;
+  return regions;
 }
 
 BlurEstimate InertialPsf::Estimate(const cv::Mat& grey, const cv::Rect& region) const {

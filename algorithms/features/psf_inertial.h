@@ -45,6 +45,9 @@ class InertialPsf : public PsfEstimator {
   /// From its first to its last position.
   Eigen::Vector2d BlurVector(const Eigen::Vector2d& pixel) const;
   LineBlur At(const Eigen::Vector2d& pixel) const { return LineBlur::FromVector(BlurVector(pixel)); }
+  /// The image's parts with the paths that their light took, for BlurAwareFeature::SetBlurRegions: what is restored
+  /// then shows where things were at mid-exposure. A part that was not always in view is called sharp.
+  std::vector<BlurRegion> Regions() const;
   const std::vector<ExposureRotation>& rotations() const { return rotations_; }
 
   /// The mean of the blurs over a grid of the region (MeanBlur). Confidence is the path's straightness there: net

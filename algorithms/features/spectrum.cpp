@@ -103,10 +103,29 @@ cv::Mat Spectrum::Through(const TransferFunction& transfer, int octave) const {
   return plane(part);
 }
 
-void Spectrum::RefillMargin(const TransferFunction& transfer) {
-  cv::Mat plane = Plane(transfer, 0);
+void Spectrum::RefillMargin(const TransferFunction& transfer) { ReplaceMargin(Plane(transfer, 0)); }
+
+void Spectrum::ReplaceMargin(cv::Mat plane) {
   image_.copyTo(plane(place_));
   cv::dft(plane, transform_, cv::DFT_COMPLEX_OUTPUT);
 }
+
+cv::Mat Spectrum::Plane(const PlaneGain& gain) const {
+  const int half = plane_.width / 2 + 1;
+  GAITCAM_ASSERT(gain.rows() == plane_.height && gain.cols() == half);
+  cv::Mat product(plane_, CV_32FC2), plane;
+  const float scale = 1 / (float(plane_.width) * float(plane_.height));
+  for (int y = 0; y < plane_.height; ++y) {
+    const auto* from = transform_.ptr<std::complex<float>>(y);
+    auto* to = product.ptr<std::complex<float>>(y);
+    for (int x = 0; x < half; ++x) to[x] = scale * from[x] * gain(y, x);
+  }
+  cv::dft(product, plane, cv::DFT_INVERSE | cv::DFT_REAL_OUTPUT);
+  return plane;
+}
+
+cv::Mat Spectrum::Through(const PlaneGain& gain) const { return Plane(gain)(place_); }
+
+void Spectrum::RefillMargin(const PlaneGain& gain) { ReplaceMargin(Plane(gain)); }
 
 }  // namespace gaitcam

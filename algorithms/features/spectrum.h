@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "algorithms/features/blur_path.h"
 #include "algorithms/features/line_blur.h"
 
 namespace gaitcam {
@@ -51,6 +52,11 @@ class Spectrum {
   /// Replaces the margin, not the image, by what the filter makes of both.
   void RefillMargin(const TransferFunction& transfer);
 
+  /// The same with a filter that also shifts: what its phases say. @param gain on plane_size().
+  cv::Mat Through(const PlaneGain& gain) const;
+  void RefillMargin(const PlaneGain& gain);
+
+  cv::Size plane_size() const { return plane_; }
   cv::Size image_size() const { return image_.size(); }
 
   static constexpr int kMaxOctave = 4;
@@ -58,6 +64,8 @@ class Spectrum {
  private:
   /// Periodic plane through the filter, at the resolution of an octave.
   cv::Mat Plane(const TransferFunction& transfer, int octave) const;
+  cv::Mat Plane(const PlaneGain& gain) const;
+  void ReplaceMargin(cv::Mat plane);
 
   cv::Mat image_;
   cv::Rect place_;  ///< Of the image in the plane; its corner and the plane's size are multiples of 2^kMaxOctave.

@@ -36,8 +36,21 @@ void WienerTransfer::Row(const Eigen::ArrayXf& fx, float fy, Eigen::Ref<Eigen::A
   out = out / (out.square() + (gamma_ + slope_ * (fx.square() + fy * fy)));
 }
 
+namespace {
+
+constexpr int kMinMargin_px = 32;  // room for the margin to fade
+
+/// How far light was carried, px.
+double Reach(const BlurRegion& region) {
+  if (region.path.empty()) return region.estimate.blur.extent_px;
+  double reach = 0;
+  for (const Eigen::Vector2d& p : region.path.points) reach = std::max(reach, (p - region.path.points.front()).norm());
+  return reach;
+}
+
+}  // namespace
+
 cv::Mat RestoreWiener(const cv::Mat& image, const LineBlur& blur, const WienerOptions& options) {
-  constexpr int kMinMargin_px = 32;  // room for the margin to fade
   const int margin = std::max(kMinMargin_px, int(std::ceil(blur.extent_px)));
   Spectrum spectrum(image, margin);
   const ExplainedTransfer explained(blur, options);
@@ -45,7 +58,30 @@ cv::Mat RestoreWiener(const cv::Mat& image, const LineBlur& blur, const WienerOp
   return spectrum.Through(WienerTransfer(blur, options));
 }
 
+cv::Mat RestoreWiener(const cv::Mat& image, const BlurPath& path, const WienerOptions& options) {
+  CheckFields(options);
+  const int margin = std::max(kMinMargin_px, int(std::ceil(Reach({{}, {}, path}))));
+  Spectrum spectrum(image, margin);
+  const cv::Size plane = spectrum.plane_size();
+  const PlaneGain H = PathTransfer(path, plane);
+  PlaneGain wiener = H.conjugate();
+  for (long y = 0; y < wiener.rows(); ++y) {
+    const float fy = float(y <= plane.height / 2 ? y : y - plane.height) / float(plane.height);
+    for (long x = 0; x < wiener.cols(); ++x) {
+      const float fx = float(x) / float(plane.width);
+      wiener(y, x) /= std::norm(H(y, x)) + float(options.gamma) + float(options.gamma_slope) * (fx * fx + fy * fy);
+    }
+  }
+  for (int pass = 0; pass < options.border_passes; ++pass) spectrum.RefillMargin(PlaneGain(wiener * H));
+  return spectrum.Through(wiener);
+}
+
 namespace {
+
+cv::Mat RestoreOne(const cv::Mat& image, const BlurRegion& region, const WienerOptions& options) {
+  return region.path.empty() ? RestoreWiener(image, region.estimate.blur, options)
+                             : RestoreWiener(image, region.path, options);
+}
 
 /// 1 inside the region, falling to 0 at kSeam_px beyond its border: weights of neighbours that add up to 1.
 double Weight(const cv::Rect& region, int x, int y) {
@@ -58,6 +94,7 @@ double Weight(const cv::Rect& region, int x, int y) {
 }  // namespace
 
 cv::Mat RestoreRegions(const cv::Mat& image, const std::vector<BlurRegion>& regions, const WienerOptions& options) {
+  if (regions.size() == 1 && regions.front().estimate.blurred) return RestoreOne(image, regions.front(), options);
   cv::Mat sum = cv::Mat::zeros(image.size(), CV_32FC1), weights = cv::Mat::zeros(image.size(), CV_32FC1);
   const cv::Rect whole({0, 0}, image.size());
   for (const BlurRegion& region : regions) {
@@ -66,8 +103,8 @@ cv::Mat RestoreRegions(const cv::Mat& image, const std::vector<BlurRegion>& regi
     };
     const bool blurred = region.estimate.blurred;
     const cv::Rect used = grown(kSeam_px);
-    const cv::Rect seen = blurred ? grown(kSeam_px + int(std::ceil(region.estimate.blur.extent_px))) : used;
-    const cv::Mat part = blurred ? RestoreWiener(image(seen), region.estimate.blur, options) : image(seen);
+    const cv::Rect seen = blurred ? grown(kSeam_px + int(std::ceil(Reach(region)))) : used;
+    const cv::Mat part = blurred ? RestoreOne(image(seen), region, options) : image(seen);
     for (int y = used.y; y < used.br().y; ++y)
       for (int x = used.x; x < used.br().x; ++x) {
         const float weight = float(Weight(region.rectangle, x, y));

@@ -45,8 +45,12 @@ class WienerTransfer : public TransferFunction {
 /// @returns the same size and type; may leave the range of `image`.
 cv::Mat RestoreWiener(const cv::Mat& image, const LineBlur& blur, const WienerOptions& options);
 
-/// The same where parts of the image have a blur of their own. Each part is restored with some of its surroundings;
-/// neighbours fade into each other over `kSeam_px` on either side of their border.
+/// The same along a path: conj(H) / (|H|^2 + gamma). What the path calls the pixel's own place is where it is put.
+/// @param path not empty.
+cv::Mat RestoreWiener(const cv::Mat& image, const BlurPath& path, const WienerOptions& options);
+
+/// The same where parts of the image have a blur, or a path, of their own. Each part is restored with some of its
+/// surroundings; neighbours fade into each other over `kSeam_px` on either side of their border.
 /// @param regions that cover the image. One whose estimate is not `blurred` stays as it is.
 cv::Mat RestoreRegions(const cv::Mat& image, const std::vector<BlurRegion>& regions, const WienerOptions& options);
 constexpr int kSeam_px = 8;

@@ -4,6 +4,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/whole_file.h"
+#include "scenarios/code/experiments/blur_kernels.h"
 #include "scenarios/code/experiments/feature_experiment.h"
 #include "scenarios/code/experiments/feature_table.h"
 #include "scenarios/code/experiments/photographs.h"
@@ -19,6 +20,7 @@ struct BlurredFeatureOptions {
   InputPaths pairs;                   ///< Folders of image pairs; empty: pictures of Debian's opencv-doc.
   std::vector<std::string> walk;      ///< Recordings with their truth beside them.
   std::vector<std::string> detector;  ///< Empty: all.
+  bool kernels = false;               ///< The table of blur_kernels.h instead.
   uint64_t seed = 1;
 };
 
@@ -28,6 +30,7 @@ void VisitFields(Visitor& visit, BlurredFeatureOptions& o) {
         "folders of image pairs in Oxford layout: img1.png, img2.png, H1to2p, ... (default: pictures of opencv-doc)");
   visit("walk", o.walk, Nested(), "also frames of a recording with its truth beside it");
   visit("detector", o.detector, Nested(), "only this detector (default: all)");
+  visit("kernels", o.kernels, Nested(), "instead: blur along paths as a walk makes them, unknown and known");
   visit("seed", o.seed, Between(0, 1e15), "seed of directions, noise and generated views");
 }
 
@@ -50,6 +53,7 @@ class BlurredFeatures : public ExperimentOf<BlurredFeatureOptions> {
     if (!options_.detector.empty()) options.detectors = options_.detector;
     CheckDetectors(options.detectors);
     const std::vector<ImagePair> pairs = Pairs();
+    if (options_.kernels) return RunKernels(pairs, setup);
     std::vector<WalkPair> frames = WalkPairs();
     Progress pairs_progress("pairs", int64_t(pairs.size() * CameraSettings().size()), setup.quiet);
     cells_ = RunFeatureExperiment(pairs, options, [&](int done, int) { pairs_progress.Update(done); });
@@ -65,9 +69,21 @@ class BlurredFeatures : public ExperimentOf<BlurredFeatureOptions> {
     if (!cv::imwrite(beside.replace_extension(".png").string(), FeaturePlot(cells_)))
       throw MissingResource(beside.string() + ": cannot be written");
   }
-  std::string Table() const override { return FeatureTable(cells_, walk_, names_, command_); }
+  std::string Table() const override {
+    return options_.kernels ? KernelTable(trials_, command_) : FeatureTable(cells_, walk_, names_, command_);
+  }
 
  private:
+  void RunKernels(const std::vector<ImagePair>& pairs, const ExperimentSetup& setup) {
+    KernelExperimentOptions options;
+    options.seed = options_.seed;
+    options.jobs = setup.jobs;
+    Progress progress("pairs", int64_t(pairs.size() * options.settings.size()), setup.quiet);
+    trials_ = RunKernelExperiment(pairs, options, [&](int done, int) { progress.Update(done); });
+    progress.Finish();
+    command_ = setup.command;
+  }
+
   std::vector<ImagePair> Pairs() const {
     if (options_.pairs.paths.empty()) return PackagedPairs(options_.seed);
     std::vector<ImagePair> pairs;
@@ -85,6 +101,7 @@ class BlurredFeatures : public ExperimentOf<BlurredFeatureOptions> {
 
   std::vector<FeatureCell> cells_;
   std::vector<WalkCell> walk_;
+  std::vector<KernelTrial> trials_;
   std::vector<std::string> names_;
   std::string command_;
 };

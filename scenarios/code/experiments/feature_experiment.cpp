@@ -91,14 +91,13 @@ void ApplyCurve(cv::Mat& image, Curve curve) {
     for (float& v : cv::Mat_<float>(image.row(y))) v = float(curve(double(v)));
 }
 
-/// The true map between two images after kCrop_px was cut off both.
+}  // namespace
+
 Matrix3d AfterCrop(const Matrix3d& H_ba) {
   Matrix3d shift = Matrix3d::Identity();
   shift(0, 2) = shift(1, 2) = kCrop_px;
   return shift.inverse() * H_ba * shift;
 }
-
-}  // namespace
 
 std::vector<ImagePair> ReadPairs(const fs::path& folder) {
   std::vector<ImagePair> pairs;

@@ -67,6 +67,9 @@ cv::Mat LineKernel(const LineBlur& blur);
 /// A pixel frame this wide is cut off every image, sharp or blurred, after the blur.
 constexpr int kCrop_px = 24;
 
+/// The true map between two images after kCrop_px was cut off both.
+Eigen::Matrix3d AfterCrop(const Eigen::Matrix3d& H_ba);
+
 /// @param grey CV_8UC1, larger than two crops.
 cv::Mat FilmBlurred(const cv::Mat& grey, const LineBlur& blur, const CameraSetting& setting, uint64_t seed);
 

@@ -12,6 +12,7 @@
 #include "algorithms/features/matching.h"
 #include "algorithms/features/mobif_adapt.h"
 #include "algorithms/features/mobif_restore.h"
+#include "algorithms/features/synthetic_blur.h"
 #include "tests/algorithms/features/picture.h"
 
 namespace gaitcam {
@@ -195,6 +196,55 @@ TEST(Mobif, MatchesLieWhereTheSharpImageHasThem) {
     EXPECT_NEAR(sum.x / n, 0, 0.17);  // three standard errors of 0.57 px per axis over 100 matches
     EXPECT_NEAR(sum.y / n, 0, 0.17);
   }
+}
+
+int CorrectAgainst(const Features& of_sharp, const Features& others) {
+  int correct = 0;
+  for (const Match& m : MatchDescriptors(of_sharp.descriptors, others.descriptors, {}))
+    correct += cv::norm(of_sharp.keypoints[size_t(m.a)].pt - others.keypoints[size_t(m.b)].pt) < 2;
+  return correct;
+}
+
+TEST(Mobif, AKnownPathIsWorthManyTimesItsChord) {
+  const cv::Mat picture = RandomPicture({448, 368}, 7);
+  const Features sharp = DetectFeatures(*MakeMobif(), BlurAndCrop(picture, {}, kMargin), 10000);
+  for (const BlurKind kind : {BlurKind::kRamp, BlurKind::kArc, BlurKind::kJitter}) {
+    const ImageMotion motion = DrawMotion(kind, 20, picture.size(), 3);
+    const BlurPath path = motion.PathAt({0, 0});
+    cv::Mat blurred = BlurAlong(Values(picture), motion);
+    blurred = blurred(cv::Rect(kMargin, kMargin, picture.cols - 2 * kMargin, picture.rows - 2 * kMargin));
+    blurred.convertTo(blurred, CV_8U, 255);
+    const cv::Rect whole({0, 0}, blurred.size());
+    const cv::Ptr<BlurAwareFeature> mobif = MakeMobif();
+    mobif->SetBlurRegions({{whole, {path.Chord(), 1, true}, path}});
+    const int along = CorrectAgainst(sharp, DetectFeatures(*mobif, blurred, 10000));
+    mobif->SetBlurRegions({{whole, {path.Chord(), 1, true}}});
+    EXPECT_GT(along, 1.5 * CorrectAgainst(sharp, DetectFeatures(*mobif, blurred, 10000))) << int(kind);
+    EXPECT_GT(along, 5 * CorrectMatches("sift", BlurAndCrop(picture, {}, kMargin), blurred)) << int(kind);
+  }
+}
+
+TEST(Mobif, LookingForPathsChangesNothingOnASharpImageOrAClearLine) {
+  for (const double extent : {0.0, 20.0}) {
+    const cv::Mat image = Film(extent).blurred;
+    const Features plain = DetectFeatures(*MakeFeature2d("mobif"), image, 10000);
+    const Features looked = DetectFeatures(*MakeFeature2d("mobif_path"), image, 10000);
+    ASSERT_EQ(plain.size(), looked.size()) << extent;
+    EXPECT_EQ(cv::norm(plain.descriptors, looked.descriptors, cv::NORM_INF), 0) << extent;
+  }
+}
+
+TEST(Mobif, AFineTextureThatIsSharpHasItsPoints) {
+  cv::Mat fine(360, 480, CV_8UC1);
+  cv::RNG rng(5);
+  rng.fill(fine, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(fine, fine, {0, 0}, 1.5);
+  cv::normalize(fine, fine, 0, 255, cv::NORM_MINMAX);
+  MobifOptions capped = MobifFastOptions();
+  capped.sharp_points_per_megapixel = capped.points_per_megapixel;
+  const int few = DetectFeatures(*MakeMobif(capped), fine, 100000).size();
+  EXPECT_GT(DetectFeatures(*MakeFeature2d("mobif_fast"), fine, 100000).size(),
+            1.4 * few);  // 14 to 8; a point may have two orientations
 }
 
 TEST(Mobif, RefusesUnknownEstimatorsAndLight) {

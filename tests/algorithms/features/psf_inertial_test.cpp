@@ -81,6 +81,29 @@ TEST(InertialPsf, AKnownBiasIsTakenAway) {
   EXPECT_NEAR(psf.At({5, 5}).extent_px, 0, 1e-9);
 }
 
+TEST(InertialPsf, RegionsHaveThePathsOfTheirMiddles) {
+  // Faster and faster, and about the optical axis: neither a line nor one for the whole image.
+  std::vector<ImuSample> imu = Steady({0, 0, 3});
+  for (size_t i = 0; i < imu.size(); ++i) imu[i].angular_rate *= double(i) / double(imu.size());
+  const InertialPsf psf(imu, {}, kCamera, 8 * kMs, 28 * kMs);
+  const std::vector<BlurRegion> regions = psf.Regions();
+  EXPECT_GT(regions.size(), 4u);
+  int pixels = 0, blurred = 0;
+  for (const BlurRegion& region : regions) {
+    pixels += region.rectangle.area();
+    blurred += region.estimate.blurred;
+    const Eigen::Vector2d middle(region.rectangle.x + 0.5 * (region.rectangle.width - 1),
+                                 region.rectangle.y + 0.5 * (region.rectangle.height - 1));
+    const std::vector<Eigen::Vector2d> path = psf.Path(middle);
+    ASSERT_EQ(path.size(), region.path.points.size());
+    for (size_t i = 0; i < path.size(); ++i) EXPECT_LT((path[i] - middle - region.path.points[i]).norm(), 1e-9);
+    EXPECT_LT(region.path.points[path.size() / 2].norm(), 1e-6);  // in its place at mid-exposure
+    EXPECT_EQ(region.estimate.blurred, region.path.Length() >= 3);
+  }
+  EXPECT_EQ(pixels, kCamera.width_px * kCamera.height_px);
+  EXPECT_GT(blurred, 0);
+}
+
 TEST(InertialPsf, WithoutReadingsThereIsNoBlur) {
   EXPECT_THROW(IntegrateRotation({}, {}, 0, kMs), BadInput);
   EXPECT_THROW(IntegrateRotation(Steady({0, 0, 1}), {}, kMs, 0), BadInput);

@@ -55,7 +55,7 @@ TEST(Wiener, LeavesAnUnblurredImageAloneButForItsGain) {
   const cv::Mat image = Values(RandomPicture({100, 80}, 6));
   WienerOptions options;
   options.gamma = 0.01;
-  const cv::Mat restored = RestoreWiener(image, {}, options);
+  const cv::Mat restored = RestoreWiener(image, LineBlur{}, options);
   EXPECT_LT(cv::norm(restored * 1.01, image, cv::NORM_INF), 1e-4);  // H = 1: W = 1 / (1 + gamma)
 }
 

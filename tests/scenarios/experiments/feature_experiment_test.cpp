@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -12,6 +13,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
+#include "scenarios/code/experiments/blur_kernels.h"
 #include "scenarios/code/experiments/feature_table.h"
 #include "tests/temporary_folder.h"
 
@@ -155,6 +157,29 @@ TEST(FeatureExperiment, FeaturesOfLowEntropyAreInOneOfTwoDetectorsAlike) {
     EXPECT_GT(right[some], 0.6 * right[all]) << some;
     EXPECT_LT(right[some], 0.95 * right[all]) << some;
   }
+}
+
+TEST(FeatureExperiment, KernelsOfAWalkOnOneSmallPair) {
+  ImagePair pair = MakePairs({kPictures / "home.jpg"}, 3).front();
+  pair.a = pair.b = pair.a(cv::Rect(100, 60, 300, 240)).clone();
+  pair.H_ba = Eigen::Matrix3d::Identity();
+  KernelExperimentOptions options;
+  options.kinds = {BlurKind::kRamp};
+  options.extents_px = {16};
+  options.settings = {"noise"};
+  const std::vector<KernelTrial> trials = RunKernelExperiment({pair}, options, [](int, int) {});
+  ASSERT_EQ(trials.size(), 2u);  // sharp, and the ramp
+  const std::vector<std::string> ways = KernelWays();
+  const auto correct = [&](const KernelTrial& trial, const std::string& way) {
+    return trial.ways[size_t(std::find(ways.begin(), ways.end(), way) - ways.begin())].correct;
+  };
+  for (const KernelTrial& trial : trials)
+    if (trial.extent_px > 0)
+      EXPECT_GT(correct(trial, "mobif, path known"), 3 * correct(trial, "sift")) << int(trial.kind);
+  const std::string table = KernelTable(trials, "gaitcam experiment features --kernels");
+  EXPECT_NE(table.find("| ramp | 16 px |"), std::string::npos);
+  EXPECT_NE(table.find("| mobif, path known to 1 px |"), std::string::npos);
+  EXPECT_NE(table.find("## Confidence"), std::string::npos);
 }
 
 TEST(FeatureExperiment, SaysWhatIsWrongWithAFolder) {
