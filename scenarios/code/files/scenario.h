@@ -87,7 +87,7 @@ struct ReportFilmOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, ReportFilmOptions& o) {
-  visit("enabled", o.enabled, Nested(), "write walk.mp4");
+  visit("enabled", o.enabled, Nested(), "write walk.mp4, and of a drive by a map drive.mp4");
   visit("rate_hz", o.rate_hz, Between(1, 60), "film frames per second of the walk");
   visit("height_px", o.height_px, Between(120, 1080), "of both halves of the film");
 }
