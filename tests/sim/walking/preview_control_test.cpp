@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "algorithms/core/errors.h"
@@ -53,7 +54,14 @@ TEST(PreviewControl, GainsLookAheadLessTheFurtherItIs) {
   const std::vector<double>& gains = control.preview_gains();
   EXPECT_DOUBLE_EQ(gains.front(), -control.integral_gain());  // Kajita's remark under eq. 12
   const auto steepest = std::max_element(gains.begin(), gains.end(), [](double a, double b) { return -a < -b; });
-  EXPECT_LT(std::abs(gains.back()), 0.01 * std::abs(*steepest));  // so 1 s is far enough
+  const double last = gains[gains.size() - 2];
+  EXPECT_LT(std::abs(last), 0.01 * std::abs(*steepest));  // so 1 s is far enough
+  // The one at the horizon stands for all that would follow.
+  PreviewOptions far;
+  far.horizon_s = 3;
+  const std::vector<double> further = PreviewControl(far).preview_gains();
+  const double rest = std::accumulate(further.begin() + long(gains.size()) - 1, further.end(), 0.0);
+  EXPECT_NEAR(gains.back(), rest, 1e-6 * std::abs(rest));
 }
 
 TEST(PreviewControl, ZmpFollowsAWalkWithinMillimetres) {
