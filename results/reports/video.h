@@ -16,12 +16,12 @@ struct VideoOptions {
 
 /// One picture of the film. Views are CV_8UC3 (BGR) or CV_8UC1.
 struct VideoFrame {
-  cv::Mat camera;     ///< The frame given to the SLAM system.
-  cv::Mat bystander;  ///< Third-person view; empty: the camera's view stands alone.
-  double time_s = 0;  ///< Since the run's begin.
+  cv::Mat camera;          ///< The frame given to the SLAM system.
+  cv::Mat bystander;       ///< Third-person view; empty: the camera's view stands alone.
+  double time_s = 0;       ///< Since the run's begin.
   double exposure_ms = 0;  ///< 0: nothing is said of it.
-  std::string status;  ///< A word or two, such as "tracking, 213 inliers"; ASCII.
-  bool alarm = false;  ///< Status in a warning colour: lost, fallen.
+  std::string status;      ///< A word or two, such as "tracking, 213 inliers"; ASCII.
+  bool alarm = false;      ///< Status in a warning colour: lost, fallen.
 };
 
 /// Writes H.264 (yuv420p) under a temporary name beside `path`; the file takes its own name in Finish(). The same
