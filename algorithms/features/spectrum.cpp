@@ -105,7 +105,7 @@ cv::Mat Spectrum::Through(const TransferFunction& transfer, int octave) const {
 
 void Spectrum::RefillMargin(const TransferFunction& transfer) { ReplaceMargin(Plane(transfer, 0)); }
 
-void Spectrum::ReplaceMargin(cv::Mat plane) {
+void Spectrum::ReplaceMargin(const cv::Mat& plane) {
   image_.copyTo(plane(place_));
   cv::dft(plane, transform_, cv::DFT_COMPLEX_OUTPUT);
 }

@@ -65,7 +65,7 @@ class Spectrum {
   /// Periodic plane through the filter, at the resolution of an octave.
   cv::Mat Plane(const TransferFunction& transfer, int octave) const;
   cv::Mat Plane(const PlaneGain& gain) const;
-  void ReplaceMargin(cv::Mat plane);
+  void ReplaceMargin(const cv::Mat& plane);
 
   cv::Mat image_;
   cv::Rect place_;  ///< Of the image in the plane; its corner and the plane's size are multiples of 2^kMaxOctave.
