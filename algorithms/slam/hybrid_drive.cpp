@@ -7,6 +7,7 @@
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/pose.h"
+#include "algorithms/core/units.h"
 
 namespace gaitcam {
 namespace {
