@@ -72,7 +72,7 @@ FrameEstimate HybridDrive::Track(const Observation& observation) {
     if (route_.empty() || fix->found) Plan(step.X_FB);
   }
   command_ = Velocity();
-  if (fix) step.state = Drive(step);
+  if (fix && !route_.empty()) step.state = Drive(step);
   if (const Velocity* velocity = std::get_if<Velocity>(&command_))
     commanded_.emplace_back(stamp_ns, std::hypot(velocity->forward_mps, velocity->left_mps));
   drive_.steps.push_back(step);
@@ -99,8 +99,7 @@ FrameEstimate HybridDrive::AnswerOf(int64_t stamp_ns, const MetricModel& seen,
   return answer;
 }
 
-/// From where it is. A robot that is off every taught way, or past the last one to its goal, has no route: it looks
-/// around, and stands.
+/// From where it is. A robot that is off every taught way, or past the last one to its goal, has no route, and stands.
 void HybridDrive::Plan(const PlanarPose& X_FB) {
   const int start = ways_.Nearest(X_FB, kStart_m);
   Take(start < 0 ? std::vector<int>() : ways_.Shortest(start, goal_), X_FB);
@@ -135,11 +134,6 @@ void HybridDrive::Take(const std::vector<int>& views, const PlanarPose& X_FB) {
 /// Arrived is who sees that he is there, or who has looked through the whole map and found himself nowhere else.
 DriveState HybridDrive::Drive(const DriveStep& step) {
   const PlanarPose& X_FB = step.X_FB;
-  if (route_.empty()) {
-    blind_m_ = 2 * options_.blind_m;  // it may be elsewhere, after all
-    LooksAround(step);
-    return DriveState::kSearching;
-  }
   constexpr double kBack_m = 0.3, kOn_m = 0.8;  // how far from where it was a frame ago it may be along the route
   along_m_ = route_.Nearest(X_FB.position, along_m_ - kBack_m, along_m_ + kOn_m);
   const double going_m = GoingStill(step.stamp_ns);
@@ -211,7 +205,7 @@ bool HybridDrive::Doubts(const DriveStep& step) const {
 /// Once all around, wherever it has gone blindly for `blind_m`; after the last time it stands.
 bool HybridDrive::LooksAround(const DriveStep& step) {
   constexpr int kLooks = 2;
-  if (step.confirmed && !route_.empty()) looks_ = 0;
+  if (step.confirmed) looks_ = 0;
   if (blind_m_ <= options_.blind_m) {
     looks_since_ns_.reset();
     return false;

@@ -169,18 +169,6 @@ TEST(HybridDrive, StandsAsLongAsItDoesNotKnowWhereItIs) {
   for (const FrameEstimate& answer : drive.answers) EXPECT_EQ(answer.status, TrackingStatus::kInitializing);
 }
 
-TEST(HybridDrive, LooksAroundWhereNoTaughtWayLeadsToItsGoal) {
-  constexpr int kFrames = 15;
-  const PlanarPose past = kTaughtStart * PlanarPose({1.2, 0}, 0);
-  const Drive drive(ToGoal(0.3), past, kFrames);
-  EXPECT_FALSE(drive.ended);
-  EXPECT_EQ(drive.Count(DriveState::kSearching), kFrames);
-  EXPECT_TRUE(drive.said.steps.front().found);
-  EXPECT_EQ(drive.path.back().position, past.position);
-  // 0.3 rad/s over 14 frames of 0.2 s.
-  EXPECT_NEAR(drive.path.back().heading - past.heading, 0.3 * 14 * RoomBase::kFrame_s, 0.02);
-}
-
 TEST(HybridDrive, CountsOnItsWheelsForPredictionsNotForPoses) {
   const auto dark = [](int frame, const PlanarPose&, Observation& observation) {
     if (frame >= 5 && frame < 10) observation.image.pixels.setTo(0);
