@@ -28,11 +28,10 @@ constexpr auto WordsOf(DriveState) {
 struct DriveStep {
   int64_t stamp_ns = 0;
   DriveState state = DriveState::kSearching;
-  bool confirmed =
-      false;           ///< A view of the map says where it is, and that it is nowhere else; else the wheels alone do.
-  bool found = false;  ///< It takes itself to be elsewhere than before: a start, or after being carried off.
-  int places = 0;      ///< In so many it may be, as far as it knows.
-  PlanarPose X_FB;     ///< Of the body, if it knows: the first of these places.
+  bool confirmed = false;  ///< A view of the map says where it is, and no other place fits; else the wheels alone do.
+  bool found = false;      ///< It takes itself to be elsewhere than before: a start, or after being carried off.
+  int places = 0;          ///< In so many it may be, as far as it knows.
+  PlanarPose X_FB;         ///< Of the body, if it knows: the first of these places.
 };
 
 /// A way that was planned along views of the map.

@@ -100,10 +100,7 @@ FrameEstimate HybridDrive::AnswerOf(int64_t stamp_ns, const MetricModel& seen,
 }
 
 /// From where it is. A robot that is off every taught way, or past the last one to its goal, has no route, and stands.
-void HybridDrive::Plan(const PlanarPose& X_FB) {
-  const int start = ways_.Nearest(X_FB, kStart_m);
-  Take(start < 0 ? std::vector<int>() : ways_.Shortest(start, goal_), X_FB);
-}
+void HybridDrive::Plan(const PlanarPose& X_FB) { Take(ViewsToGoal(X_FB), X_FB); }
 
 /// Another way, none of whose views lies in what is blocked; the old one if there is none.
 void HybridDrive::PlanAround(const PlanarPose& X_FB) {
@@ -165,13 +162,15 @@ DriveState HybridDrive::Drive(const DriveStep& step) {
   return DriveState::kWaiting;
 }
 
-/// Shortest, from the view of the map that is nearest; none off the taught ways.
-Route HybridDrive::WayFrom(const PlanarPose& X_FB) const {
+/// The shortest way, from the view of the map that is nearest; none off the taught ways.
+std::vector<int> HybridDrive::ViewsToGoal(const PlanarPose& X_FB) const {
   const int start = ways_.Nearest(X_FB, kStart_m);
+  return start < 0 ? std::vector<int>() : ways_.Shortest(start, goal_);
+}
+
+Route HybridDrive::WayFrom(const PlanarPose& X_FB) const {
   std::vector<PlanarPose> poses;
-  if (start >= 0) {
-    for (const int view : ways_.Shortest(start, goal_)) poses.push_back(ways_.At(view));
-  }
+  for (const int view : ViewsToGoal(X_FB)) poses.push_back(ways_.At(view));
   return Route(poses);
 }
 

@@ -5,8 +5,8 @@
 /// anew at every frame and driven towards as a velocity: along the taught way, back to it from beside it, turned as it
 /// was taught. So the robot need not stop at each model. With people about, it looks at its live depth first
 /// (way_guard.h): it slows down, waits, and after `patience_s` looks for another way. Where it truly is may be another
-/// place altogether once it was carried off, or one that looks the same, so it trusts its wheels for `blind_m` only,
-/// and then turns to look around.
+/// place altogether once it was carried off, so it trusts its wheels for `blind_m` only, and then turns to look around.
+/// So it does where it may be in several places that look the same and would not do the same in each of them.
 ///
 /// The system acts, and ends the walk when it stands at its goal.
 
@@ -84,6 +84,7 @@ class HybridDrive {
   void Take(const std::vector<int>& views, const PlanarPose& X_FB);
   DriveState Drive(const DriveStep& step);
   Velocity Steer(const PlanarPose& X_FB, double speed_mps) const;
+  std::vector<int> ViewsToGoal(const PlanarPose& X_FB) const;
   Route WayFrom(const PlanarPose& X_FB) const;
   bool KnowsTheWay(const PlanarPose& X_FB) const;
   bool Doubts(const DriveStep& step) const;
