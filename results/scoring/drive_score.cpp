@@ -86,7 +86,7 @@ std::vector<DrivenStep> DrivenSteps(const TaughtDrive& drive, const DriveTruth& 
       step.person_m = NearestPerson(step.at_m, step.people_m, options);
     }
     const DriveStep& said = drive.steps[size_t(s)];
-    if (pose && !truth.taught.empty() && said.state != DriveState::kSearching) {
+    if (pose && !truth.taught.empty() && (said.confirmed || said.state != DriveState::kSearching)) {
       const PlanarPose X_WF(truth.taught.front().pose * drive.X_BC.Inverse());
       step.error_m = ((X_WF * said.X_FB).position - step.at_m).norm();
     }
@@ -309,10 +309,10 @@ std::vector<Metric<DriveEvidence>> DriveMetrics() {
       {"drive_searched_s", "s", Better::kLower, kGroup, "time in which it did not know where it was",
        [](const E& e) { return TimeIn(e, DriveState::kSearching); }},
       {"drive_misplaced_s", "s", Better::kLower, kGroup,
-       "time in which a view of the map told it a place more than 0.2 m from where it was",
+       "time in which it was sure of a place more than 0.2 m from where it was",
        [](const E& e) { return TimeMisplaced(e); }},
       {"drive_confirmed_ratio", "", Better::kHigher, kGroup,
-       "part of the frames in which a view of the map said where it was; in the others its wheels did",
+       "part of the frames in which a view of the map said where it was, and no other place fitted",
        [](const E& e) { return PartConfirmed(e.drive); }},
       {"drive_refound_s", "s", Better::kLower, kGroup,
        "from when it was set down by who had carried it off until a view of the map told it where it truly was, to 0.2 "

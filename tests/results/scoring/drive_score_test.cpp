@@ -134,6 +134,9 @@ TEST(DriveScore, WhoWasCarriedOffIsFoundOnceAViewTellsWhereItTrulyIs) {
   EXPECT_NEAR(ScoreOf(comparison, "refound_s"), 5, 1e-9);
   EXPECT_NEAR(ScoreOf(comparison, "mistaken_m"), 5 * 0.3, 1e-9);
   EXPECT_NEAR(ScoreOf(comparison, "misplaced_s"), 1.75, 1e-9) << "confirmed and mistaken: after 13 s and before 15 s";
+  TaughtDrive stands = drive;
+  for (DriveStep& step : stands.steps) step.state = DriveState::kSearching;
+  EXPECT_NEAR(ScoreOf(CompareDrive(stands, truth), "misplaced_s"), 1.75, 1e-9) << "who stands may be mistaken, too";
   EXPECT_NEAR(ScoreOf(comparison, "speed_mps"), 0.3, 1e-9) << "nor is the way in the air driven";
   drive.steps.resize(56);  // until 14 s
   EXPECT_TRUE(std::isnan(ScoreOf(CompareDrive(drive, truth), "refound_s")));
