@@ -1,6 +1,7 @@
 #include "algorithms/slam/map_localizer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "algorithms/core/errors.h"
@@ -32,18 +33,19 @@ std::optional<MapLocalizer::Fix> MapLocalizer::Locate(int64_t stamp_ns, const Me
                                                       const BodyTrack& body) {
   CarryOnAndConfirm(stamp_ns, seen, body);
   bool elsewhere = places_.empty();
-  unconfirmed_ = !places_.empty() && places_.front().fix.view >= 0 ? 0 : unconfirmed_ + 1;
+  const auto confirmed = [](const Place& place) { return place.fix.view >= 0; };
+  unconfirmed_ = std::any_of(places_.begin(), places_.end(), confirmed) ? 0 : unconfirmed_ + 1;
   if (places_.empty() || unconfirmed_ > options_.unconfirmed_frames) {
-    const std::vector<Place> found = FindInWholeMap(seen);
+    std::vector<Place> found = FindInWholeMap(seen);
     if (!found.empty()) {
-      places_ = found;
+      elsewhere = WeighAgainstTheWheels(std::move(found));
       unconfirmed_ = 0;
-      elsewhere = true;
     }
   }
   elsewhere = GiveUpTheWorse() || elsewhere;
   last_stamp_ns_ = stamp_ns;
   if (places_.empty()) return std::nullopt;
+  if (places_.size() == 1) places_.front().was_alone = true;
   Fix fix = places_.front().fix;
   fix.places = int(places_.size());
   fix.found = elsewhere;
@@ -56,16 +58,19 @@ std::vector<Pose> MapLocalizer::Elsewhere() const {
   return poses;
 }
 
+/// A frame from where the last one was taken says nothing new: what was explained is forgotten with the way.
 void MapLocalizer::CarryOnAndConfirm(int64_t stamp_ns, const MetricModel& seen, const BodyTrack& body) {
-  constexpr double kKept = 0.8;  // of what was explained before: over the last five frames, about
-  std::vector<Place> places;
-  for (const Place& place : places_) {
-    std::optional<Fix> fix = CarriedOn(place.fix, stamp_ns, body);
-    if (!fix) continue;
-    if (const std::optional<Fix> confirmed = Confirmed(*fix, seen)) fix = confirmed;
-    places.push_back({*fix, kKept * place.explained + (1 - kKept) * fix->inliers});
+  constexpr double kForgets_m = 0.33, kForgets_rad = 0.33;  // half of it after 0.23 m or 13 degrees
+  if (places_.empty()) return;
+  const std::optional<RelativePose> moved = body.Between(last_stamp_ns_, stamp_ns);
+  if (!moved) return places_.clear();
+  const double turned_rad = RotationAngle(Eigen::Quaterniond::Identity(), moved->X_FT.rotation);
+  const double kept = std::exp(-moved->X_FT.translation.norm() / kForgets_m - turned_rad / kForgets_rad);
+  for (Place& place : places_) {
+    place.fix = CarriedOn(place.fix, *moved);
+    if (const std::optional<Fix> confirmed = Confirmed(place.fix, seen)) place.fix = *confirmed;
+    place.explained = kept * place.explained + (1 - kept) * place.fix.inliers;
   }
-  places_ = std::move(places);
 }
 
 /// @returns whether the first place was among them.
@@ -80,13 +85,10 @@ bool MapLocalizer::GiveUpTheWorse() {
   return first;
 }
 
-std::optional<MapLocalizer::Fix> MapLocalizer::CarriedOn(const Fix& last, int64_t stamp_ns,
-                                                         const BodyTrack& body) const {
-  const std::optional<RelativePose> moved = body.Between(last_stamp_ns_, stamp_ns);
-  if (!moved) return std::nullopt;
+MapLocalizer::Fix MapLocalizer::CarriedOn(const Fix& last, const RelativePose& moved) const {
   Fix fix;
-  fix.X_WC = last.X_WC * moved->X_FT;
-  fix.covariance = CovarianceOfProduct(moved->X_FT, last.covariance, moved->covariance);
+  fix.X_WC = last.X_WC * moved.X_FT;
+  fix.covariance = CovarianceOfProduct(moved.X_FT, last.covariance, moved.covariance);
   return fix;
 }
 
@@ -162,6 +164,22 @@ std::vector<MapLocalizer::Place> MapLocalizer::FindInWholeMap(const MetricModel&
     if (!there) places.push_back({fix, double(fix.inliers)});
   }
   return places;
+}
+
+/// What is seen next will tell whether a view of the whole map is right or the wheels are.
+/// @returns whether the first place is one that was found.
+bool MapLocalizer::WeighAgainstTheWheels(std::vector<Place> found) {
+  const auto carried = std::find_if(places_.begin(), places_.end(), [](const Place& p) { return p.was_alone; });
+  if (carried != places_.end()) {
+    const double best = found.front().explained;
+    auto same = std::find_if(found.begin(), found.end(), [&](const Place& f) { return Near(carried->fix, f.fix); });
+    if (same == found.end()) same = found.insert(same, *carried);
+    same->was_alone = true;
+    same->explained = best;
+    std::iter_swap(found.begin(), same);
+  }
+  places_ = std::move(found);
+  return places_.front().fix.view >= 0;
 }
 
 }  // namespace gaitcam

@@ -11,6 +11,8 @@
 /// The same picture may hang in several places, and one frame then fits each of them. So the whole map may answer with
 /// several places. All are carried on and compared with the frames that follow; one that explains less than half of
 /// what another one does is given up. Until one place alone is left, where the robot is is not known for sure.
+/// A single view may fit where it was not taken. So where the wheels have carried the robot stays the first of the
+/// places when a view says otherwise, and counts as much as that view until others follow.
 
 #pragma once
 
@@ -84,21 +86,23 @@ class MapLocalizer {
 
   /// The other places where it may be, of the last frame.
   std::vector<Pose> Elsewhere() const;
-  /// How many frames in a row no view has confirmed.
+  /// In how many frames in a row no view has confirmed any place.
   int unconfirmed_frames() const { return unconfirmed_; }
 
  private:
-  /// Where it may be. Explained: inliers per frame, those of the last few frames counting most.
+  /// Where it may be.
   struct Place {
     Fix fix;
-    double explained = 0;
+    double explained = 0;    ///< Inliers per frame, those of the last bit of way and of turning counting most.
+    bool was_alone = false;  ///< No other place was left once, and the wheels have carried it on from there.
   };
 
-  std::optional<Fix> CarriedOn(const Fix& last, int64_t stamp_ns, const BodyTrack& body) const;
+  Fix CarriedOn(const Fix& last, const RelativePose& moved) const;
   std::vector<int> ViewsNear(const Pose& X_WC) const;
   std::optional<Fix> LinkWith(int view, const MetricModel& seen);
   std::optional<Fix> Confirmed(const Fix& expected, const MetricModel& seen);
   std::vector<Place> FindInWholeMap(const MetricModel& seen);
+  bool WeighAgainstTheWheels(std::vector<Place> found);
   bool Near(const Fix& a, const Fix& b) const;
   void CarryOnAndConfirm(int64_t stamp_ns, const MetricModel& seen, const BodyTrack& body);
   bool GiveUpTheWorse();
