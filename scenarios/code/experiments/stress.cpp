@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -16,6 +17,7 @@
 #include "algorithms/core/units.h"
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/whole_file.h"
+#include "results/scoring/study_table.h"
 #include "scenarios/code/experiments/perturbed_stream.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "scenarios/code/experiments/threshold_search.h"
@@ -158,8 +160,9 @@ class Stress : public ExperimentOf<StressOptions> {
       systems_.push_back(ParseSystemChoice(text));
       InfoOf(systems_.back());  // now, not after a walk was recorded: is there such a system?
     }
-    std::optional<CachedSequence> cached;
-    sensors_ = Recording(setup, cached);
+    const bool is_recorded = fs::is_directory(options_.recording);
+    const auto recorded = is_recorded ? std::nullopt : Record(setup);  // kept from being removed meanwhile
+    sensors_ = is_recorded ? GivenFolder() : recorded->folders.sensors;
     stream_ = ReadStream(sensors_);
     for (const SystemChoice& system : systems_) {
       if (const auto lack = LackInDataset(InfoOf(system), stream_.calibration, sensors_)) throw BadInput(*lack);
@@ -173,15 +176,17 @@ class Stress : public ExperimentOf<StressOptions> {
   std::string Table() const override { return Introduction() + CleanTable() + ThresholdTable() + KindTable(); }
 
  private:
-  /// The folder of sensors. @param cached keeps what was recorded here from being removed.
-  fs::path Recording(const ExperimentSetup& setup, std::optional<CachedSequence>& cached) const {
-    if (fs::is_directory(options_.recording)) {
-      if (!options_.set.empty()) throw BadInput("--set: " + options_.recording + " is recorded already");
-      const fs::path sensors = FindDataset(options_.recording);
-      if (!HasTruthBeside(sensors))
-        throw BadInput(sensors.string() + ": the truth does not lie beside it; nothing can be scored");
-      return sensors;
-    }
+  /// A folder that is recorded already.
+  fs::path GivenFolder() const {
+    if (!options_.set.empty()) throw BadInput("--set: " + options_.recording + " is recorded already");
+    fs::path sensors = FindDataset(options_.recording);
+    if (!HasTruthBeside(sensors))
+      throw BadInput(sensors.string() + ": the truth does not lie beside it; nothing can be scored");
+    return sensors;
+  }
+
+  /// A scenario's walk.
+  std::optional<CachedSequence> Record(const ExperimentSetup& setup) const {
     std::vector<std::string> sets = options_.set;
     std::string scenario = options_.recording;
     if (scenario.empty()) {
@@ -189,29 +194,39 @@ class Stress : public ExperimentOf<StressOptions> {
       sets.insert(sets.begin(), "duration_s=8");
     }
     const ResolvedScenario resolved = ReadScenario(UsersOrShipped(scenario, {"scenarios"}), sets);
-    cached = SequenceCache({}).Get(resolved, setup.quiet, [] { return false; });
-    return cached->folders.sensors;
+    return SequenceCache({}).Get(resolved, setup.quiet, [] { return false; });
   }
 
-  Measured Measure(const RecordedStream& stream, size_t system, uint64_t seed) const {
+  /// Nothing, and why, if the system does not come to its end.
+  std::optional<Estimate> Track(const RecordedStream& stream, size_t system, uint64_t seed, std::string& why) const {
     const SystemChoice& choice = systems_[system];
-    Measured measured;
     try {
       const PrivateFolder folder;
       TrackingThread tracker(MakeSystem(choice, {stream.calibration, seed, choice.settings}, folder.path()));
       for (const HandedOver& frame : stream.frames) tracker.Push(frame.observation);
-      Estimate estimate = tracker.Finish();
-      measured.stopped = estimate.failure;
-      estimate.frames = AsShown(estimate.frames, stream);
-      if (!estimate.live.empty()) estimate.live = AsShown(estimate.live, stream);
-      const Scores scores = ScoreAgainstTruthBeside(estimate, sensors_, choice.name);
+      return tracker.Finish();
+    } catch (const MissingResource&) {  // the machine's fault
+      throw;
+    } catch (const std::exception& e) {  // one of ours that cannot bear it, or a stranger that refuses it
+      why = e.what();
+      return std::nullopt;
+    }
+  }
+
+  Measured Measure(const RecordedStream& stream, size_t system, uint64_t seed) const {
+    Measured measured;
+    std::optional<Estimate> estimate = Track(stream, system, seed, measured.stopped);
+    if (!estimate) return measured;
+    measured.stopped = estimate->failure;
+    estimate->frames = AsShown(estimate->frames, stream);
+    if (!estimate->live.empty()) estimate->live = AsShown(estimate->live, stream);
+    try {
+      const Scores scores = ScoreAgainstTruthBeside(*estimate, sensors_, systems_[system].name);
       measured.coverage = scores.Value("coverage_ratio");
       measured.path_m = scores.Value("path_length_m");
       measured.error_m = scores.Value(options_.score);
     } catch (const TooLittleData& e) {
       measured.unscored = e.what();
-    } catch (const BadInput& e) {  // what a stranger's program refuses
-      measured.stopped = e.what();
     }
     return measured;
   }
@@ -377,10 +392,11 @@ class Stress : public ExperimentOf<StressOptions> {
 
   /// Every run, the clean ones as level 0 of "none".
   std::string Rows() const {
-    std::string text = "system,perturbation,seed,level,ending,coverage_ratio,error_m\n";
+    std::string text = "system,perturbation,seed,level,ending,coverage_ratio,error_m,why\n";
     const auto add = [&](size_t system, std::string_view kind, uint64_t seed, const Judged& run) {
-      text += fmt::format("\"{}\",{},{},{:g},{},{:.4f},{:.6g}\n", options_.system[system], kind, seed, run.level,
-                          WordOf(run.ending), run.coverage, run.error_m);
+      text += fmt::format("{},{},{},{:g},{},{:.4f},{:.6g},{}\n", CsvField(options_.system[system]), kind, seed,
+                          run.level, WordOf(run.ending), run.coverage, run.error_m,
+                          CsvField(run.stopped.empty() ? run.unscored : run.stopped));
     };
     for (const CleanRun& clean : clean_) {
       const Judged run{clean.measured, 0, Judge(clean.measured, clean.measured)};
