@@ -51,7 +51,7 @@ struct StressOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, StressOptions& o) {
   visit("recording", o.recording, AnyText(),
-        "a recorded folder, the truth beside it, or a scenario to be recorded (default: 8 s of quickstart)");
+        "a recorded folder, the truth beside it, or a scenario to be recorded (default: 6 s of quickstart at 15 Hz)");
   visit("set", o.set, Nested(), "set any key of the scenario, KEY=VALUE");
   visit("system", o.system, Nested(), "a system, by name or as in a scenario");
   visit("kinds", o.kinds, Nested(), "kinds of perturbation, by name, with commas between them (default: all)");
@@ -191,7 +191,7 @@ class Stress : public ExperimentOf<StressOptions> {
     std::string scenario = options_.recording;
     if (scenario.empty()) {
       scenario = (DataFolder() / "scenarios/quickstart.yaml").string();
-      sets.insert(sets.begin(), "duration_s=8");
+      sets.insert(sets.begin(), {"duration_s=6", "camera.rate_hz=15"});
     }
     const ResolvedScenario resolved = ReadScenario(UsersOrShipped(scenario, {"scenarios"}), sets);
     return SequenceCache({}).Get(resolved, setup.quiet, [] { return false; });
