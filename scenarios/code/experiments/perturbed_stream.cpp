@@ -133,8 +133,9 @@ void Freeze(RecordedStream& stream, double duration_s, RandomStream& random) {
 void Blacken(RecordedStream& stream, double percent, RandomStream& random) {
   for (HandedOver& frame : stream.frames) {
     if (random.Uniform() >= 0.01 * percent) continue;
-    ForImages(frame.observation,
-              [](Image& image) { image.pixels = cv::Mat::zeros(image.pixels.size(), image.pixels.type()); });
+    ForImages(frame.observation, [](Image& image) {  // a new picture: assigning an expression would write into the old
+      image.pixels = cv::Mat(image.pixels.size(), image.pixels.type(), cv::Scalar::all(0));
+    });
     frame.shown_ns.reset();
   }
 }

@@ -124,6 +124,8 @@ std::set<std::string> TracesOf(const RecordedStream& clean, const RecordedStream
   return traces;
 }
 
+bool LosesImages(Kind kind) { return kind == Kind::kDropped || kind == Kind::kFrozen || kind == Kind::kBlack; }
+
 class PerturbedStream : public testing::Test {
  protected:
   const RecordedStream clean_ = CleanStream();
@@ -138,15 +140,15 @@ TEST_F(PerturbedStream, TheTableOfKindsIsInTheOrderOfTheirWords) {
 TEST_F(PerturbedStream, LevelZeroChangesNotAByte) {
   for (const PerturbationInfo& info : ListPerturbations())
     for (const uint64_t seed : {1, 2, 3})
-      EXPECT_EQ(BytesOf(Perturbed(clean_, info.kind, 0, seed)), clean_bytes_) << ToWord(info.kind);
+      EXPECT_TRUE(BytesOf(Perturbed(clean_, info.kind, 0, seed)) == clean_bytes_) << ToWord(info.kind);
 }
 
 TEST_F(PerturbedStream, TheSameSeedGivesTheSameBytesAndAnotherOnesOthers) {
   for (const PerturbationInfo& info : ListPerturbations()) {
     const double level = info.largest / 2;
     const std::string first = BytesOf(Perturbed(clean_, info.kind, level, 1));
-    EXPECT_NE(first, clean_bytes_) << ToWord(info.kind);
-    EXPECT_EQ(first, BytesOf(Perturbed(clean_, info.kind, level, 1))) << ToWord(info.kind);
+    EXPECT_TRUE(first != clean_bytes_) << ToWord(info.kind);
+    EXPECT_TRUE(first == BytesOf(Perturbed(clean_, info.kind, level, 1))) << ToWord(info.kind);
     std::set<std::string> all;
     for (uint64_t seed = 1; seed <= 8; ++seed) all.insert(BytesOf(Perturbed(clean_, info.kind, level, seed)));
     // Too bright is too bright; a focal length is too long or too short.
@@ -157,7 +159,7 @@ TEST_F(PerturbedStream, TheSameSeedGivesTheSameBytesAndAnotherOnesOthers) {
 
 TEST_F(PerturbedStream, TheRecordingItselfStaysAsItIsThoughImagesAreShared) {
   for (const PerturbationInfo& info : ListPerturbations()) Perturbed(clean_, info.kind, info.largest, 1);
-  EXPECT_EQ(BytesOf(clean_), clean_bytes_);
+  EXPECT_TRUE(BytesOf(clean_) == clean_bytes_);
 }
 
 TEST_F(PerturbedStream, WhatALevelDoesAHigherOneDoesToo) {
@@ -238,15 +240,16 @@ TEST_F(PerturbedStream, StampsIncreaseAndNoReadingIsLostOrComesLate) {
         ASSERT_LE(given.size(), readings.size());
         EXPECT_TRUE(std::equal(given.begin(), given.end(), readings.begin())) << ToWord(info.kind);
         // After the last frame that arrives nothing can: of dropped ones alone, readings are missing.
-        if (info.kind != Kind::kDropped) EXPECT_EQ(given.size(), readings.size()) << ToWord(info.kind);
+        EXPECT_TRUE(info.kind == Kind::kDropped || given.size() == readings.size()) << ToWord(info.kind);
         if (info.kind == Kind::kStampJitter) continue;  // the frames' clock is wrong, the readings' is not
         for (const HandedOver& frame : stream.frames) {
           const Observation& o = frame.observation;
           const int64_t close_ns = o.stamp_ns + std::llround(0.5 * kNsPerMs * o.exposure_ms);
-          if (!o.imu.empty()) EXPECT_LE(o.imu.back().stamp_ns, close_ns) << ToWord(info.kind);
+          if (o.imu.empty()) continue;
+          EXPECT_LE(o.imu.back().stamp_ns, close_ns) << ToWord(info.kind);
           // Whatever there is to have has arrived: the next reading is after the shutter's close.
           const auto next = std::upper_bound(readings.begin(), readings.end(), close_ns);
-          if (!o.imu.empty() && next != readings.end()) EXPECT_EQ(*next - o.imu.back().stamp_ns, kImu_ns);
+          EXPECT_TRUE(next == readings.end() || *next - o.imu.back().stamp_ns == kImu_ns) << ToWord(info.kind);
         }
       }
 }
@@ -268,7 +271,7 @@ TEST_F(PerturbedStream, SaysWhenEachImageWasTrulyTakenAndCountsNoneTwice) {
       EXPECT_EQ(BytesOf(o.right->pixels), BytesOf(taken.right->pixels)) << ToWord(info.kind);
       EXPECT_EQ(BytesOf(o.depth->pixels), BytesOf(taken.depth->pixels)) << ToWord(info.kind);
     }
-    if (info.kind == Kind::kDoubled || info.kind == Kind::kSwapped) EXPECT_EQ(shown.size(), size_t(kFrames));
+    EXPECT_EQ(shown.size() < size_t(kFrames), LosesImages(info.kind)) << ToWord(info.kind);
   }
 }
 
@@ -295,7 +298,8 @@ TEST_F(PerturbedStream, ARecordingWithoutFramesStaysEmpty) {
   RecordedStream empty = clean_;
   empty.frames.clear();
   for (const PerturbationInfo& info : ListPerturbations()) {
-    if (HasStreamOf(info.kind, empty)) EXPECT_TRUE(Perturbed(empty, info.kind, info.largest, 1).frames.empty());
+    if (!HasStreamOf(info.kind, empty)) continue;
+    EXPECT_TRUE(Perturbed(empty, info.kind, info.largest, 1).frames.empty()) << ToWord(info.kind);
   }
 }
 
