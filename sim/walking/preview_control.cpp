@@ -1,6 +1,7 @@
 #include "sim/walking/preview_control.h"
 
 #include <cmath>
+#include <numeric>
 
 #include "algorithms/core/errors.h"
 
@@ -58,6 +59,8 @@ PreviewControl::PreviewControl(const PreviewOptions& options) : com_height_m_(op
     preview_gains_[j] = b.dot(x) / scale;
     x = closed_loop * x;
   }
+  // All gains to infinity add up to -G_x(1): a cart that rests over its reference stays there, wherever that is.
+  preview_gains_.back() -= state_gain_(0) + std::accumulate(preview_gains_.begin(), preview_gains_.end(), 0.0);
 }
 
 void PreviewControl::Reset(const Eigen::Vector2d& position) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "algorithms/core/errors.h"
@@ -26,8 +27,26 @@ TEST(PreviewControl, AStandingCartStaysWhereItIs) {
   PreviewControl control({});
   control.Reset({0.3, -0.2});
   for (int i = 0; i < 500; ++i) control.Update(Constant(control, {0.3, -0.2}));
-  // What a finite horizon of 1 s leaves of the gains' sum: exp(-8) of the step, far below a tenth of a millimetre.
-  EXPECT_NEAR((control.position() - Eigen::Vector2d(0.3, -0.2)).norm(), 0, 1e-4);
+  EXPECT_NEAR((control.position() - Eigen::Vector2d(0.3, -0.2)).norm(), 0, 1e-9);  // rounding
+}
+
+TEST(PreviewControl, AWalkIsTheSameWhereverTheWorldHasItsOrigin) {
+  PreviewOptions tall;
+  tall.com_height_m = 0.5;  // falls slowly: after a horizon of 1 s a hundredth is left of what it does not see
+  const Eigen::Vector2d there(-20, 7);
+  PreviewControl here_control(tall), there_control(tall);
+  here_control.Reset({0, 0});
+  there_control.Reset(there);
+  for (int k = 0; k < 1500; ++k) {
+    std::vector<Eigen::Vector2d> here_zmp, there_zmp;
+    for (int j = 0; j < here_control.reference_count(); ++j) {
+      here_zmp.push_back(WalkingZmp((k + j) * 0.004));
+      there_zmp.push_back(here_zmp.back() + there);
+    }
+    here_control.Update(here_zmp);
+    there_control.Update(there_zmp);
+    ASSERT_LT((there_control.position() - there - here_control.position()).norm(), 1e-6) << k;  // rounding
+  }
 }
 
 TEST(PreviewControl, GainsLookAheadLessTheFurtherItIs) {
@@ -35,7 +54,14 @@ TEST(PreviewControl, GainsLookAheadLessTheFurtherItIs) {
   const std::vector<double>& gains = control.preview_gains();
   EXPECT_DOUBLE_EQ(gains.front(), -control.integral_gain());  // Kajita's remark under eq. 12
   const auto steepest = std::max_element(gains.begin(), gains.end(), [](double a, double b) { return -a < -b; });
-  EXPECT_LT(std::abs(gains.back()), 0.01 * std::abs(*steepest));  // so 1 s is far enough
+  const double last = gains[gains.size() - 2];
+  EXPECT_LT(std::abs(last), 0.01 * std::abs(*steepest));  // so 1 s is far enough
+  // The one at the horizon stands for all that would follow.
+  PreviewOptions far;
+  far.horizon_s = 3;
+  const std::vector<double> further = PreviewControl(far).preview_gains();
+  const double rest = std::accumulate(further.begin() + long(gains.size()) - 1, further.end(), 0.0);
+  EXPECT_NEAR(gains.back(), rest, 1e-6 * std::abs(rest));
 }
 
 TEST(PreviewControl, ZmpFollowsAWalkWithinMillimetres) {
