@@ -94,6 +94,12 @@ const std::vector<ExperimentEntry>& ListExperiments() {
        "gaitcam experiment speed --out results/speed.md\n"
        "gaitcam experiment speed scenarios/tabletop_khr1hv.yaml --frames 20",
        MakeSpeed},
+      {"stress", "how much may go wrong with frames, stamps, IMU and calibration before a system fails: thresholds",
+       "gaitcam experiment stress --system mobif_vo --system sift_vo --out stress.md\n"
+       "gaitcam record scenarios/lab_loop.yaml --set duration_s=10 --out walks/lab\n"
+       "gaitcam experiment stress --recording walks/lab --system \"{process: [python3, my_slam.py]}\" \\\n"
+       "  --kinds dropped,frozen --seeds 5",
+       MakeStress},
       {"tracking_time", "what a frame costs each system, beside SIFT on the same frames",
        "gaitcam experiment tracking_time --system mobif_vo_plus --system floor_slam --out tracking_time.md\n"
        "gaitcam experiment tracking_time datasets/lab_loop_brisk-seed1 --system mobif_vo",

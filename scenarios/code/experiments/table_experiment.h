@@ -121,6 +121,7 @@ std::unique_ptr<TableExperiment> MakePlaceDistance();
 std::unique_ptr<TableExperiment> MakeRecordedOdometry();
 std::unique_ptr<TableExperiment> MakeSpeed();
 std::unique_ptr<TableExperiment> MakeStereoConsistency();
+std::unique_ptr<TableExperiment> MakeStress();
 std::unique_ptr<TableExperiment> MakeTrackingTime();
 std::unique_ptr<TableExperiment> MakeWalking();
 

@@ -1,11 +1,14 @@
 // `gaitcam experiment`: a program of its own, its options, and that a table names the command that makes it.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
 
+#include "algorithms/io/dataset_reader.h"
+#include "scenarios/code/experiments/perturbed_stream.h"
 #include "scenarios/code/experiments/photographs.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "tests/scenarios/program.h"
@@ -86,6 +89,13 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"speed --frames 0", "--frames: 0 is not permitted"},
                                         {"speed --only crowds", "--only: \"crowds\" is not permitted"},
                                         {"speed --only quick_start", "--before"},
+                                        {"stress", "at least one --system"},
+                                        {"stress --system sift_v", "sift_vo"},
+                                        {"stress --system sift_vo --kinds black,balck", "did you mean"},
+                                        {"stress --system sift_vo --kinds ,", "names no kind"},
+                                        {"stress --system sift_vo --seeds 0", "--seeds: 0 is not permitted"},
+                                        {"stress --system sift_vo --score drift", "\"drift\" is not"},
+                                        {"stress --system sift_vo --recording nowhere", "nowhere"},
                                         {"tracking_time nowhere", "nowhere"},
                                         {"tracking_time --system mobif_v", "mobif_v"},
                                         {"walking --robot khr1v", "khr1v"},
@@ -149,6 +159,33 @@ TEST_F(ExperimentProgramTest, PeersScoresEverySystemOnEveryRecording) {
   EXPECT_THAT(table, testing::ContainsRegex("\\| here/walk \\| `.command.*\\| 100 \\| - \\| 0.0 \\| 0.0 \\|"));
   EXPECT_THAT(table, testing::ContainsRegex("\\| 2 of 2 \\| `.command.*100 .100 to 100."));
   EXPECT_THAT(table, HasSubstr("| 0 of 2 | `stereo_vo` |"));
+}
+
+// A program that knows the truth and refuses fewer than 15 images fails exactly where fewer arrive.
+TEST_F(ExperimentProgramTest, StressFindsTheLevelAtWhichASystemFails) {
+  const DatasetFolders folders = RecordTinyWalk(File("here"), "tum");
+  fs::copy(folders.truth / "groundtruth.txt", File("truth.txt"));
+  std::ofstream(File("knows.sh")) << "[ $(ls \"$1\"/rgb | wc -l) -ge 15 ] && cp " + File("truth.txt").string() +
+                                         " \"$2\"\n";
+  const std::string knows = "'{command: [sh, " + File("knows.sh").string() +
+                            ", \"{dataset}\", \"{output}\"], depends: [" + File("truth.txt").string() + "]}'";
+  const std::string words =
+      "stress --recording here/walk --kinds dropped,focal_length --seeds 1 --halvings 4 --system ";
+  const ProgramResult result = Run(words + knows + " --system \"{command: [false]}\" --out stress.md");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string table = ReadText(File("stress.md"));
+  RecordedStream clean;
+  DatasetReader reader(folders.sensors);
+  while (const auto observation = reader.Next()) clean.frames.push_back({*observation, observation->stamp_ns});
+  double level = 0;
+  for (size_t images = 20; images >= 15; images = Perturbed(clean, PerturbationKind::kDropped, level, 1).frames.size())
+    level += InfoOf(PerturbationKind::kDropped).largest / 16;
+  // The other fails on the recording as it is.
+  EXPECT_THAT(table, HasSubstr(fmt::format("| dropped | % of the frames | {:.3g} s | - |", level)));
+  EXPECT_THAT(table, HasSubstr("| focal_length | % | > 50 | - |"));
+  EXPECT_THAT(table, testing::ContainsRegex("\\| `.command: .sh, .*` \\| 100 \\| 0.0 \\|"));
+  EXPECT_THAT(ReadText(File("stress.csv")), HasSubstr(",dropped,1,95,stopped,"));
+  EXPECT_THAT(Run(words + "stereo_vo").err, HasSubstr("stereo_vo needs a stereo camera"));
 }
 
 TEST_F(ExperimentProgramTest, LoopsSumUpOverWhatTheWalksScenariosDifferIn) {
