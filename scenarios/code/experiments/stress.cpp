@@ -138,6 +138,7 @@ std::vector<PerturbationKind> KindsOf(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     std::istringstream words(text);
     for (std::string word; std::getline(words, word, ',');) {
+      if (word.empty()) continue;
       const auto kind = FromWord<PerturbationKind>(word);
       if (!kind) throw BadOption("--kinds: " + OneOf(EnumWords<PerturbationKind>::List()).Refusal(word));
       if (std::find(kinds.begin(), kinds.end(), *kind) == kinds.end()) kinds.push_back(*kind);
