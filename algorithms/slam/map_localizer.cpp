@@ -33,8 +33,7 @@ std::optional<MapLocalizer::Fix> MapLocalizer::Locate(int64_t stamp_ns, const Me
                                                       const BodyTrack& body) {
   CarryOnAndConfirm(stamp_ns, seen, body);
   bool elsewhere = places_.empty();
-  const auto confirmed = [](const Place& place) { return place.fix.view >= 0; };
-  unconfirmed_ = std::any_of(places_.begin(), places_.end(), confirmed) ? 0 : unconfirmed_ + 1;
+  unconfirmed_ = AnyConfirmed() ? 0 : unconfirmed_ + 1;
   if (places_.empty() || unconfirmed_ > options_.unconfirmed_frames) {
     std::vector<Place> found = FindInWholeMap(seen);
     if (!found.empty()) {
@@ -59,6 +58,8 @@ std::vector<Pose> MapLocalizer::Elsewhere() const {
 }
 
 /// A frame from where the last one was taken says nothing new: what was explained is forgotten with the way.
+/// Where the map has no view that looks the same way, a frame says nothing against a place. But a place that a view
+/// alone speaks for is forgotten while another one is confirmed.
 void MapLocalizer::CarryOnAndConfirm(int64_t stamp_ns, const MetricModel& seen, const BodyTrack& body) {
   constexpr double kForgets_m = 0.33, kForgets_rad = 0.33;  // half of it after 0.23 m or 13 degrees
   if (places_.empty()) return;
@@ -68,9 +69,19 @@ void MapLocalizer::CarryOnAndConfirm(int64_t stamp_ns, const MetricModel& seen, 
   const double kept = std::exp(-moved->X_FT.translation.norm() / kForgets_m - turned_rad / kForgets_rad);
   for (Place& place : places_) {
     place.fix = CarriedOn(place.fix, *moved);
-    if (const std::optional<Fix> confirmed = Confirmed(place.fix, seen)) place.fix = *confirmed;
-    place.explained = kept * place.explained + (1 - kept) * place.fix.inliers;
+    const std::vector<int> views = ViewsNear(place.fix.X_WC);
+    place.is_mapped = !views.empty();
+    if (const std::optional<Fix> confirmed = Confirmed(place.fix, views, seen)) place.fix = *confirmed;
   }
+  const bool any_confirmed = AnyConfirmed();
+  for (Place& place : places_) {
+    const bool says_nothing = !place.is_mapped && (place.was_alone || !any_confirmed);
+    if (!says_nothing) place.explained = kept * place.explained + (1 - kept) * place.fix.inliers;
+  }
+}
+
+bool MapLocalizer::AnyConfirmed() const {
+  return std::any_of(places_.begin(), places_.end(), [](const Place& place) { return place.fix.view >= 0; });
 }
 
 /// @returns whether the first place was among them.
@@ -122,10 +133,11 @@ std::optional<MapLocalizer::Fix> MapLocalizer::LinkWith(int view, const MetricMo
 }
 
 /// By that of the nearest views which agrees with what is expected and has the most inliers.
-std::optional<MapLocalizer::Fix> MapLocalizer::Confirmed(const Fix& expected, const MetricModel& seen) {
+std::optional<MapLocalizer::Fix> MapLocalizer::Confirmed(const Fix& expected, const std::vector<int>& views,
+                                                         const MetricModel& seen) {
   std::optional<Fix> best;
   int tried = 0;
-  for (const int view : ViewsNear(expected.X_WC)) {
+  for (const int view : views) {
     if (tried++ == options_.neighbours) break;
     const std::optional<Fix> fix = LinkWith(view, seen);
     if (!fix || (best && fix->inliers <= best->inliers)) continue;

@@ -95,12 +95,14 @@ class MapLocalizer {
     Fix fix;
     double explained = 0;    ///< Inliers per frame, those of the last bit of way and of turning counting most.
     bool was_alone = false;  ///< No other place was left once, and the wheels have carried it on from there.
+    bool is_mapped = true;   ///< The map has views near it that look the same way.
   };
 
   Fix CarriedOn(const Fix& last, const RelativePose& moved) const;
   std::vector<int> ViewsNear(const Pose& X_WC) const;
   std::optional<Fix> LinkWith(int view, const MetricModel& seen);
-  std::optional<Fix> Confirmed(const Fix& expected, const MetricModel& seen);
+  std::optional<Fix> Confirmed(const Fix& expected, const std::vector<int>& views, const MetricModel& seen);
+  bool AnyConfirmed() const;
   std::vector<Place> FindInWholeMap(const MetricModel& seen);
   bool WeighAgainstTheWheels(std::vector<Place> found);
   bool Near(const Fix& a, const Fix& b) const;

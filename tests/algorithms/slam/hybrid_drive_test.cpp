@@ -249,14 +249,14 @@ TEST(HybridDrive, DoesNotSayThatItArrivedWhereItMayBeElsewhere) {
 
 const PlanarPose kOtherWall({0, 0}, kPi / 2);  // from the taught start
 
-/// The lane, and what the wall beside it looks like, as if it were so many metres ahead.
-std::shared_ptr<const RouteMap> LaneAndAFalseView() {
+/// The lane, and what the wall beside it looks like, so many metres on from its start, as if it were far ahead.
+std::shared_ptr<const RouteMap> LaneAndAFalseView(double on_m = 0) {
   RouteMap map = *TaughtLane();
   HybridSlamOptions options;
   options.sight.sensitivity = 4;
   options.model_m = 0.1;
   HybridSlam slam(DepthAndWheels(), options, 1);
-  RoomBase base(kTaughtStart * kOtherWall);
+  RoomBase base(kTaughtStart * PlanarPose({on_m, 0}, 0) * kOtherWall);
   for (int frame = 0; frame < 5; ++frame) {
     slam.Track(base.Look());
     base.Drive({0.4, 0, 0});
@@ -287,6 +287,30 @@ TEST(HybridDrive, DoesNotBelieveASingleViewAgainstItsWheels) {
     EXPECT_LT((step.X_FB.position - drive.TrueInF(int(i))).norm(), kRoomTolerance_m) << i;
     if (i >= kDark && i < kLight) EXPECT_FALSE(step.confirmed) << i;
   }
+  EXPECT_EQ(drive.said.steps.back().state, DriveState::kArrived);
+}
+
+/// As it looks around, the map shows the wall beside it elsewhere alone, and what is ahead of it here.
+TEST(HybridDrive, LooksOnWhereItsOwnPlaceHasNoViewToSpeakForIt) {
+  HybridDriveOptions options = ToGoal(1.4);
+  options.blind_m = 0.35;
+  constexpr double kStops_m = 0.48;
+  constexpr int kDark = 3;
+  const auto dark_ahead = [](int frame, const PlanarPose& X_WB, Observation& observation) {
+    const bool turned = std::abs(WrapAngle(X_WB.heading - kTaughtStart.heading)) > 1.2;
+    if (frame >= kDark && frame < 60 && !turned) observation.image.pixels.setTo(0);
+  };
+  const Drive drive(options, kTaughtStart, 200, {}, dark_ahead, LaneAndAFalseView(kStops_m));
+  ASSERT_TRUE(drive.ended);
+  int between = 0;
+  for (size_t i = 0; i < drive.path.size(); ++i) {
+    const DriveStep& step = drive.said.steps[i];
+    between += step.places == 2;
+    EXPECT_LT((step.X_FB.position - drive.TrueInF(int(i))).norm(), kRoomTolerance_m) << i;
+  }
+  // It turns by 0.06 rad a frame, and the wall fits half a radian to either side. Half of what was explained is
+  // forgotten in four frames.
+  EXPECT_GT(between, 10);
   EXPECT_EQ(drive.said.steps.back().state, DriveState::kArrived);
 }
 
