@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/units.h"
 
 namespace gaitcam {
 namespace {
@@ -17,6 +19,16 @@ constexpr double kMoved_m = 0.2;     // nearer than what was seen there before
 constexpr double kNearest_m = 0.6;   // before which a depth camera measures nothing: no reason to be new
 constexpr double kStillThere_s = 1;  // so long who moved is taken to be as near
 constexpr double kRemembered_m = 2;  // farther away, there is time to look again
+
+/// The least that was measured within so many pixels; 0 where nothing was.
+cv::Mat NearestAround(const cv::Mat& depth, int reach_px) {
+  constexpr float kNothing_m = 1e6F;
+  cv::Mat near_m = depth.clone();
+  near_m.setTo(kNothing_m, ~(depth > 0));
+  cv::erode(near_m, near_m, cv::Mat::ones(2 * reach_px + 1, 2 * reach_px + 1, CV_8U));
+  near_m.setTo(0, near_m >= kNothing_m);
+  return near_m;
+}
 
 }  // namespace
 
@@ -55,7 +67,7 @@ void WayGuard::Forget() {
 
 void WayGuard::See(int64_t stamp_ns, const Pose& X_FC, const cv::Mat& depth) {
   constexpr size_t kBefore = 2;
-  const View view{depth.clone(), X_FC.Inverse()};
+  const View view{depth, X_FC.Inverse()};
   const Eigen::Vector2d body_F = (X_FC * calibration_.odometry.X_BC.Inverse()).translation.head<2>();
   const auto age_s = [&](int64_t then_ns) { return 1e-9 * double(stamp_ns - then_ns); };
   std::erase_if(points_, [&](const Point& point) {
@@ -66,7 +78,8 @@ void WayGuard::See(int64_t stamp_ns, const Pose& X_FC, const cv::Mat& depth) {
   std::erase_if(moving_, [&](const auto& seen) { return age_s(seen.first) > kStillThere_s; });
   if (!before_.empty()) moving_.emplace_back(stamp_ns, NearestMoving(now, body_F));
   points_.insert(points_.end(), now.begin(), now.end());
-  before_.push_back(view);
+  const double reach_px = calibration_.camera.fx * std::tan(kRadPerDeg * options_.pose_error_deg);
+  before_.push_back({NearestAround(depth, int(std::lround(reach_px))), view.X_CF});
   if (before_.size() > kBefore) before_.erase(before_.begin());
 }
 

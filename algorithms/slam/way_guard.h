@@ -30,6 +30,7 @@ struct WayGuardOptions {
   double memory_s = 5;
   double walker_mps = 1.4;
   int min_points = 12;
+  double pose_error_deg = 0;
 };
 
 template <class Visitor>
@@ -41,6 +42,9 @@ void VisitFields(Visitor& visit, WayGuardOptions& o) {
   visit("walker_mps", o.walker_mps, Between(0, 5), "so fast what has moved may come towards the robot");
   visit("min_points", o.min_points, Between(1, 100000),
         "points, of every eighth pixel of row and column, that stand in the way: fewer are noise");
+  visit("pose_error_deg", o.pose_error_deg, Between(0, 10),
+        "how wrong it may be known where the camera looks, as on a head that rocks: so near to the edge of something "
+        "that was there before nothing counts as having moved");
 }
 
 class WayGuard {
@@ -87,7 +91,7 @@ class WayGuard {
   Calibration calibration_;
   WayGuardOptions options_;
   std::vector<Point> points_;
-  std::vector<View> before_;                        ///< The last frames, oldest first.
+  std::vector<View> before_;                        ///< The last frames, as near as all may be; oldest first.
   std::vector<std::pair<int64_t, double>> moving_;  ///< Stamps, and how near to the robot something moved.
 };
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "algorithms/core/units.h"
 #include "tests/algorithms/odometry/odometry_trials.h"
 
 namespace gaitcam {
@@ -124,6 +127,28 @@ TEST(WayGuard, WhatStandsDoesNotMoveBecauseTheRobotDoes) {
   depth.colRange(99, 141).setTo(1.9);
   guard.See(kSecond_ns / 4, From({{0.1, 0}, 0}), depth);
   EXPECT_GT(guard.SpeedAmongWalkers({0.25, 0.25, 0}), 100);
+}
+
+TEST(WayGuard, AnEdgeDoesNotMoveBecauseTheHeadRocks) {
+  const auto is_moving = [](double pose_error_deg, int from_px, int to_px) {
+    WayGuardOptions options;
+    options.pose_error_deg = pose_error_deg;
+    WayGuard guard(Ahead(), options);
+    cv::Mat depth = Wall(4);
+    depth.colRange(100, 140).setTo(2.0);
+    guard.See(0, From({}), depth);
+    depth = Wall(4);
+    depth.colRange(from_px, to_px).setTo(2.0);
+    guard.See(kSecond_ns / 4, From({}), depth);
+    return guard.SpeedAmongWalkers({0.25, 0.25, 0}) < 100;
+  };
+  const int rocked_px = int(kCamera.fx * std::tan(1 * kRadPerDeg));  // rounded down
+  ASSERT_GE(rocked_px, 2);
+  EXPECT_TRUE(is_moving(0, 100 + rocked_px, 140 + rocked_px));
+  EXPECT_FALSE(is_moving(1, 100 + rocked_px, 140 + rocked_px));
+  EXPECT_FALSE(is_moving(1, 100 - rocked_px, 140 - rocked_px));
+  EXPECT_TRUE(is_moving(1, 125, 165)) << "a step aside";
+  EXPECT_TRUE(is_moving(1, 180, 200)) << "somebody who was not there";
 }
 
 TEST(WayGuard, KnowsWhatStandsWhereItDoesNotLook) {
