@@ -1,10 +1,11 @@
-/// Ctrl-C asks a job to stop at the next whole piece; a second one ends the program at once.
+/// Ctrl-C asks a job to stop at the next whole piece, as does a terminal that is closed; a second one ends the program
+/// at once.
 
 #pragma once
 
 namespace gaitcam {
 
-/// Catches SIGINT and SIGTERM while it lives.
+/// Catches SIGINT, SIGTERM and, unless it is ignored, SIGHUP while it lives.
 class InterruptGuard {
  public:
   InterruptGuard();

@@ -1,5 +1,5 @@
-// Ctrl-C on a real terminal: the program stops at the next whole frame and leaves what is finished, marked as
-// interrupted.
+// Ctrl-C on a real terminal, or its end: the program stops at the next whole frame and leaves what is finished, marked
+// as interrupted.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,10 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <utility>
 
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
@@ -31,11 +33,12 @@ score: {min_coverage_ratio: 0}
 /// The program on a pseudo-terminal, where it shows its bar and where a key reaches it as a signal.
 class TerminalProgram {
  public:
-  TerminalProgram(const std::string& arguments, const fs::path& folder) {
+  TerminalProgram(const std::string& arguments, const fs::path& folder, bool minds_hangup = true) {
     const std::string command =
         "cd " + folder.string() + " && GAITCAM_DATA=" + TestData().string() + " exec " + Program() + " " + arguments;
     child_ = forkpty(&terminal_, nullptr, nullptr, nullptr);
     if (child_ == 0) {
+      signal(SIGHUP, minds_hangup ? SIG_DFL : SIG_IGN);  // whatever the tests run under
       execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       _exit(127);
     }
@@ -43,7 +46,7 @@ class TerminalProgram {
   ~TerminalProgram() {
     if (running_) kill(child_, SIGKILL);
     Wait();
-    close(terminal_);
+    Hangup();
   }
 
   /// Reads on until the bar has counted `count`; false if the program ends before or takes too long.
@@ -61,8 +64,13 @@ class TerminalProgram {
 
   void PressCtrlC() const { ASSERT_EQ(write(terminal_, "\x03", 1), 1); }
 
+  /// As where its window is closed.
+  void Hangup() {
+    if (terminal_ >= 0) close(std::exchange(terminal_, -1));
+  }
+
   int ExitCode() {
-    while (ReadSome()) {
+    while (terminal_ >= 0 && ReadSome()) {
     }
     return Wait();
   }
@@ -147,6 +155,25 @@ TEST_F(InterruptTest, ARunTooShortToScoreIsKeptAndSaysWhyItHasNoScore) {
   EXPECT_EQ(scores["run"]["status"], "interrupted");
   EXPECT_NE(scores["run"].value("not_scored", ""), "");
   EXPECT_TRUE(fs::exists(File("run/report.html")));
+}
+
+TEST_F(InterruptTest, ARunWhoseTerminalIsClosedKeepsTheFinishedPart) {
+  TerminalProgram program("run walk.yaml --out run", temporary_.path());
+  ASSERT_TRUE(program.WaitForCount(5)) << program.said();
+  program.Hangup();
+  EXPECT_LT(program.ExitCode(), 1000) << "it ends by itself, not by the signal";
+  ExpectNothingHalfWritten();
+  EXPECT_EQ(nlohmann::json::parse(ReadText(File("run/scores.json")))["run"]["status"], "interrupted");
+  EXPECT_TRUE(fs::exists(File("run/report.html")));
+}
+
+TEST_F(InterruptTest, ARunUnderNohupGoesOnWhenTheTerminalIsClosed) {
+  constexpr bool kMindsHangup = false;
+  TerminalProgram program("run walk.yaml --set duration_s=3 --out run", temporary_.path(), kMindsHangup);
+  ASSERT_TRUE(program.WaitForCount(5)) << program.said();
+  program.Hangup();
+  program.ExitCode();
+  EXPECT_EQ(nlohmann::json::parse(ReadText(File("run/scores.json")))["run"]["frames"], 30);
 }
 
 TEST_F(InterruptTest, ARecordingKeepsItsFramesAndCanBeTracked) {
