@@ -171,7 +171,8 @@ TEST_F(ExperimentProgramTest, StressFindsTheLevelAtWhichASystemFails) {
                             ", \"{dataset}\", \"{output}\"], depends: [" + File("truth.txt").string() + "]}'";
   const std::string words =
       "stress --recording here/walk --kinds dropped,focal_length --seeds 1 --halvings 4 --system ";
-  const ProgramResult result = Run(words + knows + " --system '{command: [\"false\", \"{dataset}\", \"{output}\"]}' --out stress.md");
+  const ProgramResult result =
+      Run(words + knows + " --system '{command: [\"false\", \"{dataset}\", \"{output}\"]}' --out stress.md");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const std::string table = ReadText(File("stress.md"));
   RecordedStream clean;
