@@ -18,25 +18,31 @@ Schema Vector(int size) {
 /// One value of a system's setting: a number or a word; a group of settings is a map.
 Schema SettingSchema() { return {{"type", {"number", "string", "boolean"}}}; }
 
+/// A setting by its dotted key, and as a map within maps.
+void AddSetting(Schema& properties, const std::string& key) {
+  properties[key] = SettingSchema();
+  const size_t dot = key.find('.');
+  if (dot == std::string::npos) return;
+  Schema& group = properties[key.substr(0, dot)];
+  group["type"] = "object";
+  group["additionalProperties"] = false;
+  AddSetting(group["properties"], key.substr(dot + 1));
+}
+
 /// `{name: mobif_vo, ratio: 0.8, matching: {mutual: 1}}`: the settings of all systems together.
 Schema NamedSystemSchema() {
   Schema properties{{"name", {{"enum", Schema::array()}, {"description", "one of our systems"}}}};
   std::map<std::string, std::string> owners;
-  std::map<std::string, Schema> groups;
   for (const SystemInfo& system : ListSystems()) {
     properties["name"]["enum"].push_back(system.name);
     for (const auto& [key, value] : system.Defaults()) {
       owners[key] += (owners[key].empty() ? "of " : ", ") + system.name;
-      if (const size_t dot = key.find('.'); dot != std::string::npos)
-        groups[key.substr(0, dot)][key.substr(dot + 1)] = SettingSchema();
     }
   }
   for (const auto& [key, owner] : owners) {
-    properties[key] = SettingSchema();
+    AddSetting(properties, key);
     properties[key]["description"] = owner;
   }
-  for (const auto& [name, settings] : groups)
-    properties[name] = {{"type", "object"}, {"properties", settings}, {"additionalProperties", false}};
   return {{"type", "object"}, {"properties", properties}, {"required", {"name"}}, {"additionalProperties", false}};
 }
 

@@ -94,9 +94,11 @@ TEST_F(SchemaTest, AResolvedScenarioWithEveryDefaultWrittenOutIsGood) {
 }
 
 TEST_F(SchemaTest, BlocksWithPresetsAreWordsOrMaps) {
-  for (const std::string text : {"calibration_error: bench", "calibration_error: {preset: bench, pitch_deg: 1}",
-                                 "variation: repeat", "variation: {light_ratio: 0.5}",
-                                 "camera: {preset: cmos, jpeg: {quality: 80}, auto_exposure: {enabled: false}}"})
+  for (const std::string text :
+       {"calibration_error: bench", "calibration_error: {preset: bench, pitch_deg: 1}", "variation: repeat",
+        "variation: {light_ratio: 0.5}", "camera: {preset: cmos, jpeg: {quality: 80}, auto_exposure: {enabled: false}}",
+        "system: {name: floor_slam, tracker: {alignment: {max_blur_samples: 1}}}",
+        "system: {name: floor_slam, tracker.alignment.max_blur_samples: 1}"})
     EXPECT_THAT(ValidateText("scenario", text + "\n"), HasSubstr(": good")) << text;
   EXPECT_THAT(ValidateText("study", "{base: a.yaml, axes: {calibration_error.focal_pct: [0, 1], variation: [none]}}\n"),
               HasSubstr(": good"));
@@ -122,6 +124,7 @@ TEST_F(SchemaTest, PlantedErrorsAreBad) {
       {"scenario", "system: sift_v0"},
       {"scenario", "system: {ratio: 0.8}"},
       {"scenario", "system: {name: sift_vo, ration: 0.8}"},
+      {"scenario", "system: {name: floor_slam, tracker: {alignment: {blur: 1}}}"},
       {"scenario", "system: {command: []}"},
       {"scenario", "system: {command: [a], format: tom}"},
       {"scenario", "score: {rpe_pairs: some}"},
