@@ -67,15 +67,17 @@ void MapLocalizer::CarryOnAndConfirm(int64_t stamp_ns, const MetricModel& seen, 
   if (!moved) return places_.clear();
   const double turned_rad = RotationAngle(Eigen::Quaterniond::Identity(), moved->X_FT.rotation);
   const double kept = std::exp(-moved->X_FT.translation.norm() / kForgets_m - turned_rad / kForgets_rad);
+  std::vector<bool> is_mapped;
   for (Place& place : places_) {
     place.fix = CarriedOn(place.fix, *moved);
     const std::vector<int> views = ViewsNear(place.fix.X_WC);
-    place.is_mapped = !views.empty();
+    is_mapped.push_back(!views.empty());
     if (const std::optional<Fix> confirmed = Confirmed(place.fix, views, seen)) place.fix = *confirmed;
   }
   const bool any_confirmed = AnyConfirmed();
-  for (Place& place : places_) {
-    const bool says_nothing = !place.is_mapped && (place.was_alone || !any_confirmed);
+  for (size_t i = 0; i < places_.size(); ++i) {
+    Place& place = places_[i];
+    const bool says_nothing = !is_mapped[i] && (place.was_alone || !any_confirmed);
     if (!says_nothing) place.explained = kept * place.explained + (1 - kept) * place.fix.inliers;
   }
 }

@@ -95,7 +95,6 @@ class MapLocalizer {
     Fix fix;
     double explained = 0;    ///< Inliers per frame, those of the last bit of way and of turning counting most.
     bool was_alone = false;  ///< No other place was left once, and the wheels have carried it on from there.
-    bool is_mapped = true;   ///< The map has views near it that look the same way.
   };
 
   Fix CarriedOn(const Fix& last, const RelativePose& moved) const;

@@ -91,7 +91,7 @@ class WayGuard {
   Calibration calibration_;
   WayGuardOptions options_;
   std::vector<Point> points_;
-  std::vector<View> before_;                        ///< The last frames, as near as all may be; oldest first.
+  std::vector<View> before_;  ///< The last frames, each pixel the least within pose_error_deg of it; oldest first.
   std::vector<std::pair<int64_t, double>> moving_;  ///< Stamps, and how near to the robot something moved.
 };
 

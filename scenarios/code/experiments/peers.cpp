@@ -11,7 +11,6 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/dataset_reader.h"
 #include "algorithms/io/whole_file.h"
-#include "results/scoring/statistics.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "scenarios/code/files/system_needs.h"
 #include "scenarios/code/runs/run_scores.h"
@@ -163,9 +162,7 @@ class Peers : public ExperimentOf<PeersOptions> {
         if (trial.system == system && at != trial.scores.end()) values.push_back(column.factor * at->second);
       }
       scored = std::max(scored, values.size());
-      cells += values.empty() ? " - |"
-                              : fmt::format(" {0:.{3}f} ({1:.{3}f} to {2:.{3}f}) |", MedianOf(values),
-                                            QuantileOf(values, 0), QuantileOf(values, 1), column.digits);
+      cells += " " + MedianAndRange(values, column.digits) + " |";
     }
     return fmt::format("| {} of {} | `{}` |{}  |  |\n", scored, options_.recordings.paths.size(), system, cells);
   }

@@ -16,7 +16,6 @@
 #include "results/scoring/alignment.h"
 #include "results/scoring/jumps.h"
 #include "results/scoring/score.h"
-#include "results/scoring/statistics.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "scenarios/code/jobs/study.h"
 
@@ -97,15 +96,6 @@ std::vector<Cell> RunAll(const RecordedOdometryOptions& arguments, const Experim
 
 // -------------------------------------------------------------------------------------------------------- table
 
-/// "median (min..max)", the median alone for one value, "-" for none.
-std::string Spread(std::vector<double> values, int digits) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return "-";
-  const std::string median = fmt::format("{:.{}f}", MedianOf(values), digits);
-  if (values.size() == 1) return median;
-  return fmt::format("{} ({:.{}f}..{:.{}f})", median, QuantileOf(values, 0), digits, QuantileOf(values, 1), digits);
-}
-
 /// One score of all of a cell's runs, times a factor.
 std::vector<double> Column(const Cell& cell, const std::string& name, double factor = 1) {
   std::vector<double> values;
@@ -149,12 +139,12 @@ std::string Row(const Cell& cell) {
   return fmt::format(
       "| {} | {} | {:g} ms | {} x {} | {} | {} | {} | {} of {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
       s.name, s.robot == "omni_base" ? s.robot : s.robot + ", " + s.gait.preset, s.camera.exposure.exposure_ms,
-      s.camera.width_px, s.camera.height_px, Spread(blur, 1), Spread(Column(cell, "path_length_m"), 1),
-      LabelOf(s.system), scored, cell.records.size(), Spread(Column(cell, "coverage_ratio", 100), 1),
-      Spread(Column(cell, "live_coverage_ratio", 100), 1), Spread(OfPath(cell, "ate_sim3_rmse_m"), 2),
-      Spread(OfPath(cell, "live_ate_sim3_rmse_m"), 2), Spread(OfPath(cell, "ate_rmse_m"), 2),
-      Spread(Column(cell, "end_drift_sim3_pct"), 2), Spread(Column(cell, "rotation_gain"), 3),
-      Spread(Column(cell, "live_jumps"), 0), Spread(ms, 0));
+      s.camera.width_px, s.camera.height_px, MedianAndRange(blur, 1), MedianAndRange(Column(cell, "path_length_m"), 1),
+      LabelOf(s.system), scored, cell.records.size(), MedianAndRange(Column(cell, "coverage_ratio", 100), 1),
+      MedianAndRange(Column(cell, "live_coverage_ratio", 100), 1), MedianAndRange(OfPath(cell, "ate_sim3_rmse_m"), 2),
+      MedianAndRange(OfPath(cell, "live_ate_sim3_rmse_m"), 2), MedianAndRange(OfPath(cell, "ate_rmse_m"), 2),
+      MedianAndRange(Column(cell, "end_drift_sim3_pct"), 2), MedianAndRange(Column(cell, "rotation_gain"), 3),
+      MedianAndRange(Column(cell, "live_jumps"), 0), MedianAndRange(ms, 0));
 }
 
 std::string TableOf(const std::vector<Cell>& cells, const ExperimentSetup& setup, const fs::path& picture) {

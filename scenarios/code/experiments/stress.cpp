@@ -319,18 +319,10 @@ class Stress : public ExperimentOf<StressOptions> {
         allowed.push_back(std::max(options_.factor * error.back(), 10 * options_.least_pct * run.path_m));
         path.push_back(run.path_m);
       }
-      text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", options_.system[system], Spread(coverage, 0),
-                          Spread(error, 1), Spread(allowed, 1), Spread(path, 2), remark);
+      text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", options_.system[system], MedianAndRange(coverage, 0),
+                          MedianAndRange(error, 1), MedianAndRange(allowed, 1), MedianAndRange(path, 2), remark);
     }
     return text + "\n";
-  }
-
-  static std::string Spread(std::vector<double> values, int digits) {
-    if (values.empty()) return "-";
-    std::sort(values.begin(), values.end());
-    const double median = values[(values.size() - 1) / 2];
-    if (values.size() == 1) return fmt::format("{:.{}f}", median, digits);
-    return fmt::format("{0:.{3}f} ({1:.{3}f} to {2:.{3}f})", median, values.front(), values.back(), digits);
   }
 
   std::string ThresholdTable() const {

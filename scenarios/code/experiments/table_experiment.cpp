@@ -6,7 +6,10 @@
 #include <tbb/partitioner.h>
 
 #include <algorithm>
+#include <cmath>
 #include <thread>
+
+#include "results/scoring/statistics.h"
 
 namespace gaitcam {
 namespace {
@@ -40,6 +43,14 @@ struct WordsOf {
 };
 
 }  // namespace
+
+std::string MedianAndRange(std::vector<double> values, int digits) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  if (values.empty()) return "-";
+  const std::string median = fmt::format("{:.{}f}", MedianOf(values), digits);
+  if (values.size() == 1) return median;
+  return fmt::format("{0} ({1:.{3}f} to {2:.{3}f})", median, QuantileOf(values, 0), QuantileOf(values, 1), digits);
+}
 
 std::string ExperimentOption::Flag() const {
   std::string flag = "--" + key;

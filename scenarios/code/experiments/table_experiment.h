@@ -56,6 +56,9 @@ class OptionList {
   std::vector<ExperimentOption> options;
 };
 
+/// "median (smallest to largest)" of the finite values, rounded; one value alone, "-" for none.
+std::string MedianAndRange(std::vector<double> values, int digits);
+
 /// How a run is carried out; nothing here changes a figure.
 struct ExperimentSetup {
   std::filesystem::path table;    ///< The Markdown file; further files of an experiment lie beside it.
