@@ -77,7 +77,7 @@ FloorFilter::Proposal FloorFilter::Propose(const Particle& particle, const Plana
   Proposal proposal;
   proposal.pose = expected;
   proposal.covariance = Q;
-  if (patch.empty()) return proposal;
+  if (patch.empty() || options_.weighting != FloorWeighting::kLikelihood) return proposal;
   const std::vector<KnownFloor> known = FindKnown(particle, expected, patch, MappedSteps());
   if (known.empty()) return proposal;
   const std::optional<FloorMatch> match = MatchFloor(known, patch, expected, options_.match);
@@ -118,6 +118,29 @@ void FloorFilter::Reweigh(const std::vector<Proposal>& proposals) {
   }
 }
 
+/// Eq. 6.22 at the poses drawn, of the last patch. Particles whose map says nothing there get the smallest weight of
+/// the others, as in Reweigh(), for a sum over nothing is no agreement.
+void FloorFilter::ReweighByDifferences(const StepRange& steps) {
+  if (patches_.back().empty()) return;
+  const bool as_written = options_.weighting == FloorWeighting::kDifferences;
+  std::vector<std::optional<double>> logs;
+  double worst = std::numeric_limits<double>::max();
+  for (const Particle& particle : particles_) {
+    const PlanarPose& pose = particle.path.back();
+    const FloorAgreement agreement =
+        AgreementOf(FindKnown(particle, pose, patches_.back(), steps), patches_.back(), 0, pose, 1, 0, 1);
+    if (agreement.points < options_.match.min_points) {
+      logs.emplace_back();
+      continue;
+    }
+    const double mean = std::max(agreement.mean_square, 1.0);  // a grey level's quantisation, at the least
+    logs.emplace_back(as_written ? std::log(mean * agreement.points) : -std::log(mean));
+    worst = std::min(worst, *logs.back());
+  }
+  if (worst == std::numeric_limits<double>::max()) return;
+  for (size_t i = 0; i < particles_.size(); ++i) particles_[i].log_weight += logs[i].value_or(worst);
+}
+
 void FloorFilter::Move(Particle& particle, const Proposal& proposal) {
   const Eigen::Matrix3d L = proposal.covariance.llt().matrixL();
   const double nx = random_.Normal(), ny = random_.Normal(), nyaw = random_.Normal();
@@ -142,9 +165,14 @@ void FloorFilter::Step(const PlanarPose& motion, const Eigen::Matrix3d& covarian
     corrected_ += proposals.back().loop.has_value();
     Move(particle, proposals.back());
   }
+  const StepRange known = MappedSteps();
   motions_.push_back({step - 1, step, motion, Q});
   patches_.push_back(std::move(patch));
-  Reweigh(proposals);
+  if (options_.weighting == FloorWeighting::kLikelihood) {
+    Reweigh(proposals);
+  } else {
+    ReweighByDifferences(known);
+  }
   Resample();
   Search();
 }
@@ -210,6 +238,7 @@ void FloorFilter::Search() {
     if (const std::optional<FloorLoop> loop = UnambiguousLoop(first, first)) MoveOnto(first, *loop);
     return;
   }
+  if (options_.weighting != FloorWeighting::kLikelihood) return;
   const StepRange known = MappedSteps();
   const double sigma_m = std::sqrt(Covariance().topLeftCorner<2, 2>().trace());
   if (sigma_m < options_.search_sigma_m || 2 * corrected_ > int(particles_.size()) ||
@@ -317,7 +346,8 @@ std::vector<PlanarEdge> FloorFilter::Edges() const {
 
 std::vector<PlanarPose> FloorFilter::SmoothPath() const {
   const std::vector<PlanarPose> start = BestPath();
-  return start.size() < 2 ? start : SolvePlanarGraph(start, Edges());
+  const bool graph = start.size() >= 2 && options_.weighting == FloorWeighting::kLikelihood;
+  return graph ? SolvePlanarGraph(start, Edges()) : start;
 }
 
 std::vector<Eigen::Matrix3d> FloorFilter::SmoothCovariances(const std::vector<PlanarPose>& smooth) const {

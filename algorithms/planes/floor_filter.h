@@ -13,6 +13,10 @@
 /// image given that map (floor_match.h), a Gaussian about its maximum (Gauss-Newton), and the weight is the integral of
 /// that product: the optimal proposal, to that approximation. Elsewhere poses are drawn from N(m, Q) and weights stay.
 ///
+/// The thesis's own way is there to be compared (FloorWeighting): poses from N(m, Q), weights by differences of grey
+/// level, no registration with the map and no loop closures outside the particles, so the best particle's trajectory is
+/// all that there is in the end. Unlike there, only floor seen at least `loop_m` before counts.
+///
 /// After a loss the motion is little more than a guess; too few of the particles drawn from it would fall near the
 /// truth. So none are drawn: the trajectory continues from the guess as a new submap, whose covariance relative to the
 /// map is kept beside the particles. The submap is searched for in the map (floor_search.h); once found, it is moved
@@ -21,10 +25,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "algorithms/core/enum_words.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/core/planar_pose.h"
 #include "algorithms/core/random.h"
@@ -33,10 +39,24 @@
 
 namespace gaitcam {
 
+/// By what particles are weighed where they see known floor.
+enum class FloorWeighting {
+  kLikelihood,   ///< Drawn by the optimal proposal and weighed by its integral (above).
+  kDifferences,  ///< Drawn from N(m, Q) alone; weight = sum of squared differences of grey level, as Eq. 6.22 stands:
+                 ///< the more a particle disagrees with its map, the more often it is drawn.
+  kReciprocal,  ///< The same with the reciprocal of their mean, as Eq. 6.22 must be meant.
+};
+constexpr auto WordsOf(FloorWeighting) {
+  return std::array{EnumWord{FloorWeighting::kLikelihood, "likelihood"},
+                    EnumWord{FloorWeighting::kDifferences, "differences"},
+                    EnumWord{FloorWeighting::kReciprocal, "reciprocal"}};
+}
+
 struct FloorFilterOptions {
   using DescribedTag = void;
 
   int particles = 100;
+  FloorWeighting weighting = FloorWeighting::kLikelihood;
   double cell_m = 0.005;         ///< Side of a map's cell.
   double range_heights = 2.8;    ///< Floor beyond this distance, in camera heights, is not mapped.
   double inflation = 1.5;        ///< Factor on the standard deviations of the tracked motion.
@@ -58,6 +78,9 @@ struct FloorFilterOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, FloorFilterOptions& o) {
   visit("particles", o.particles, Between(1, 100000), "hypotheses of the trajectory");
+  visit(
+      "weighting", o.weighting, EnumWords<FloorWeighting>(),
+      "of particles: likelihood with an optimal proposal; squared differences as the thesis has it; their reciprocal");
   visit("cell_m", o.cell_m, Between(0.001, 0.1), "side of a map's cell");
   visit("range_heights", o.range_heights, Between(1.1, 100.0), "farthest floor mapped, in camera heights");
   visit("inflation", o.inflation, Between(0.0, 100.0), "of the tracked motion's standard deviation");
@@ -100,7 +123,7 @@ class FloorFilter {
   const std::vector<PlanarPose>& BestPath() const { return Best().path; }
   const std::vector<FloorLoop>& BestLoops() const { return Best().loops; }
   /// Pose-graph solution of all tracked motions and the best particle's loop closures: free of the particles' random
-  /// draws.
+  /// draws. With weights by differences: BestPath().
   std::vector<PlanarPose> SmoothPath() const;
   /// Of the last pose: mean over the particles, and covariance about it.
   PlanarPose Mean() const;
@@ -157,6 +180,7 @@ class FloorFilter {
                    const FloorPatch& patch) const;
   void Move(Particle& particle, const Proposal& proposal);
   void Reweigh(const std::vector<Proposal>& proposals);
+  void ReweighByDifferences(const StepRange& steps);
   void Resample();
   const Submap* DetachedSubmap() const;
   void Search();

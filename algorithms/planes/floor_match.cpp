@@ -64,6 +64,7 @@ FloorAgreement AgreementOf(const std::vector<KnownFloor>& known, const FloorPatc
     comparison.H.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
     comparison.g += weight * e * J;
     comparison.mean_rho += Rho(e);
+    comparison.mean_square += e * e;
     ++comparison.points;
     const double a = point.intensity, b = there->intensity;
     sum += Eigen::Array2d(a, b);
@@ -73,7 +74,8 @@ FloorAgreement AgreementOf(const std::vector<KnownFloor>& known, const FloorPatc
   const double aa = products[0] - sum[0] * sum[0] / n, bb = products[1] - sum[1] * sum[1] / n;
   comparison.correlation = aa > 0 && bb > 0 ? (products[2] - sum[0] * sum[1] / n) / std::sqrt(aa * bb) : 0;
   comparison.H = Matrix5(comparison.H.selfadjointView<Eigen::Lower>());
-  comparison.mean_rho /= std::max(1, comparison.points);
+  comparison.mean_rho /= n;
+  comparison.mean_square /= n;
   return comparison;
 }
 

@@ -1,9 +1,9 @@
 /// Registration of a keyframe's floor patch with earlier ones: likelihood of a pose, and its maximum.
 ///
-/// Likelihood (instead of the thesis's Eq. 6.22, a plain sum of differences). Each of n floor points that earlier
-/// patches cover has a residual r = seen - (gain known + offset), gain and offset estimated, with Gaussian noise of
-/// sensor, cell and blur and with outliers: log p = -1/2 sum rho(r / noise_grey), rho(e) = c^2 log(1 + e^2/c^2), c = 3.
-/// Residuals of neighbouring points are correlated: the sum is weighted by `independent`.
+/// Likelihood (instead of the thesis's Eq. 6.22, a plain sum of differences, which FloorWeighting offers). Each of n
+/// floor points that earlier patches cover has a residual r = seen - (gain known + offset), gain and offset estimated,
+/// with Gaussian noise of sensor, cell and blur and with outliers: log p = -1/2 sum rho(r / noise_grey), rho(e) = c^2
+/// log(1 + e^2/c^2), c = 3. Residuals of neighbouring points are correlated: the sum is weighted by `independent`.
 
 #pragma once
 
@@ -51,6 +51,7 @@ struct FloorAgreement {
   Matrix5 H = Matrix5::Zero();  ///< Gauss-Newton's Hessian by (x, y, yaw in the pose's frame, gain, offset).
   Vector5 g = Vector5::Zero();  ///< Minus the gradient.
   double mean_rho = 0;          ///< -2 log p per point.
+  double mean_square = 0;       ///< Of the residuals, in standard deviations.
   double correlation = 0;
   int points = 0;  ///< That some earlier patch covers.
 };
