@@ -21,6 +21,7 @@ struct BlurredFeatureOptions {
   std::vector<std::string> walk;      ///< Recordings with their truth beside them.
   std::vector<std::string> detector;  ///< Empty: all.
   bool kernels = false;               ///< The table of blur_kernels.h instead.
+  int strongest = 0;                  ///< Of each image, for equal numbers; 0: what each detector finds by itself.
   uint64_t seed = 1;
 };
 
@@ -31,6 +32,9 @@ void VisitFields(Visitor& visit, BlurredFeatureOptions& o) {
   visit("walk", o.walk, Nested(), "also frames of a recording with its truth beside it");
   visit("detector", o.detector, Nested(), "only this detector (default: all)");
   visit("kernels", o.kernels, Nested(), "instead: blur along paths as a walk makes them, unknown and known");
+  visit("strongest", o.strongest, Between(0, 20000),
+        "equal numbers: so many of the strongest points of each image, thresholds lowered (default: each detector's "
+        "own)");
   visit("seed", o.seed, Between(0, 1e15), "seed of directions, noise and generated views");
 }
 
@@ -50,8 +54,10 @@ class BlurredFeatures : public ExperimentOf<BlurredFeatureOptions> {
     FeatureExperimentOptions options;
     options.seed = options_.seed;
     options.jobs = setup.jobs;
+    options.strongest = options_.strongest;
+    options.detectors = ExperimentDetectors(options.strongest > 0);
     if (!options_.detector.empty()) options.detectors = options_.detector;
-    CheckDetectors(options.detectors);
+    CheckDetectors(options);
     const std::vector<ImagePair> pairs = Pairs();
     if (options_.kernels) return RunKernels(pairs, setup);
     std::vector<WalkPair> frames = WalkPairs();

@@ -244,6 +244,7 @@ cv::Mat FilmBlurred(const cv::Mat& grey, const LineBlur& blur, const CameraSetti
 void MatchCount::operator+=(const MatchCount& other) {
   matches += other.matches;
   correct += other.correct;
+  fewest_points = std::min(fewest_points, other.fewest_points);
   errors_px.insert(errors_px.end(), other.errors_px.begin(), other.errors_px.end());
 }
 
@@ -299,6 +300,7 @@ std::vector<MatchCount> CountMatches(const Features& a, const Features& b, const
   std::vector<MatchCount> counts(ratios.size());
   const std::vector<Nearest> nearest = FindNearest(a.descriptors, b.descriptors);
   for (size_t r = 0; r < ratios.size(); ++r) {
+    counts[r].fewest_points = std::min(a.size(), b.size());
     std::set<std::array<int, 4>> seen;  // one point with two orientations is one match
     for (size_t i = 0; i < nearest.size(); ++i) {
       if (nearest[i].b < 0 || nearest[i].ratio >= ratios[r]) continue;
@@ -353,10 +355,13 @@ const std::map<std::string, Features (*)(const cv::Mat& image, int max_features)
   return own;
 }
 
-Features Extract(const std::string& detector, const cv::Mat& image, int max_features) {
+Features Extract(const std::string& detector, const cv::Mat& image, const FeatureExperimentOptions& options) {
+  constexpr int kMost = 20000;
+  constexpr double kSensitive = 20;
+  if (options.strongest > 0) return DetectFeatures(*MakeFeature2d(detector, kSensitive), image, options.strongest);
   const auto own = OwnDetectors().find(detector);
-  if (own != OwnDetectors().end()) return own->second(image, max_features);
-  return DetectFeatures(*MakeFeature2d(detector), image, max_features);
+  if (own != OwnDetectors().end()) return own->second(image, kMost);
+  return DetectFeatures(*MakeFeature2d(detector), image, kMost);
 }
 
 /// The blur of one image of a pair: the same for every detector.
@@ -380,8 +385,7 @@ class PairExperiment {
 
   CellSums Run() {
     const cv::Mat sharp_a = FilmBlurred(pair_.a, {}, setting_, options_.seed);
-    for (const std::string& name : options_.detectors)
-      of_sharp_a_.push_back(Extract(name, sharp_a, options_.max_features));
+    for (const std::string& name : options_.detectors) of_sharp_a_.push_back(Extract(name, sharp_a, options_));
     for (const double extent_px : options_.extents_px) RunExtent(extent_px);
     return sums_;
   }
@@ -396,9 +400,9 @@ class PairExperiment {
     const cv::Mat a = FilmBlurred(pair_.a, blur_a, setting_, options_.seed);
     const cv::Mat b = FilmBlurred(pair_.b, blur_b, setting_, options_.seed + 1);
     for (size_t d = 0; d < options_.detectors.size(); ++d) {
-      const Features of_b = Extract(options_.detectors[d], b, options_.max_features);
+      const Features of_b = Extract(options_.detectors[d], b, options_);
       Add(d, extent_px, false, of_sharp_a_[d], of_b);
-      if (extent_px > 0) Add(d, extent_px, true, Extract(options_.detectors[d], a, options_.max_features), of_b);
+      if (extent_px > 0) Add(d, extent_px, true, Extract(options_.detectors[d], a, options_), of_b);
     }
   }
 
@@ -417,24 +421,28 @@ class PairExperiment {
 
 }  // namespace
 
-std::vector<std::string> ExperimentDetectors() {
+std::vector<std::string> ExperimentDetectors(bool registered_alone) {
   std::vector<std::string> names;
   for (const FeatureInfo& info : ListFeatures()) names.push_back(info.name);
+  if (registered_alone) return names;
   for (const auto& [name, extract] : OwnDetectors()) names.push_back(name);
   std::sort(names.begin(), names.end());
   return names;
 }
 
-void CheckDetectors(const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    if (!OwnDetectors().contains(name)) MakeFeature2d(name);
+void CheckDetectors(const FeatureExperimentOptions& options) {
+  for (const std::string& name : options.detectors) {
+    const bool own = OwnDetectors().contains(name);
+    if (!own) MakeFeature2d(name);
+    if (own && options.strongest > 0)
+      throw BadInput(name + " cannot be asked for its strongest points at a lower threshold; leave it out");
   }
 }
 
 std::vector<FeatureCell> RunFeatureExperiment(const std::vector<ImagePair>& pairs,
                                               const FeatureExperimentOptions& options,
                                               const std::function<void(int done, int all)>& progress) {
-  CheckDetectors(options.detectors);
+  CheckDetectors(options);
   const std::vector<CameraSetting> settings = CameraSettings();
   const int jobs = int(pairs.size() * settings.size());
   std::vector<CellSums> parts(size_t(jobs), CellSums{});
@@ -467,8 +475,8 @@ std::vector<WalkCell> RunWalkExperiment(const std::vector<WalkPair>& pairs, cons
   for (const WalkPair& pair : pairs) {
     for (WalkCell& cell : cells) {
       if (pair.blur_px < cell.from_px || pair.blur_px >= cell.to_px) continue;
-      const Features a = Extract(cell.detector, pair.a, options.max_features);
-      const Features b = Extract(cell.detector, pair.b, options.max_features);
+      const Features a = Extract(cell.detector, pair.a, options);
+      const Features b = Extract(cell.detector, pair.b, options);
       cell.count += CountMatches(a, b, pair.map, {options.ratios.front()}).front();
       ++cell.pairs;
     }

@@ -75,8 +75,9 @@ cv::Mat FilmBlurred(const cv::Mat& grey, const LineBlur& blur, const CameraSetti
 
 /// Outcome of matching under a known homography; sums add up.
 struct MatchCount {
-  int matches = 0, correct = 0;   ///< Without duplicates; correct: within kCorrect_px of where H puts the point.
-  std::vector<double> errors_px;  ///< Of the correct ones.
+  int matches = 0, correct = 0;      ///< Without duplicates; correct: within kCorrect_px of where H puts the point.
+  int fewest_points = kAllFeatures;  ///< Key points of the image that had the fewest.
+  std::vector<double> errors_px;     ///< Of the correct ones.
 
   void operator+=(const MatchCount& other);
   double Precision() const { return matches ? double(correct) / matches : 0; }
@@ -89,22 +90,25 @@ std::vector<MatchCount> CountMatches(const Features& a, const Features& b, const
                                      const std::vector<double>& ratios);
 TrueMap MapOfHomography(const Eigen::Matrix3d& H_ba);
 
-/// @throws BadInput for a name that is neither a registered detector nor one of this experiment alone.
-void CheckDetectors(const std::vector<std::string>& names);
-
 /// Every registered detector, and those of this experiment alone, sorted: `sift_single` is OpenCV's SIFT without the
 /// points of its doubled octave; of `mobif_discards` features of low entropy are discarded (thesis, 5.3.2), of
 /// `mobif_adapt_all` none.
-std::vector<std::string> ExperimentDetectors();
+std::vector<std::string> ExperimentDetectors(bool registered_alone = false);
 
 struct FeatureExperimentOptions {
   std::vector<std::string> detectors = ExperimentDetectors();
   std::vector<double> extents_px = {0, 10, 20, 30, 40};
   std::vector<double> ratios = {0.8, 0.5};
   uint64_t seed = 1;
-  int max_features = 20000;
+  /// 0: what each detector finds at its own threshold, 20000 points at most. Else so many of the strongest of each
+  /// image, thresholds lowered so that there are as many: detectors of this experiment alone cannot do that.
+  int strongest = 0;
   int jobs = 0;  ///< Threads; 0: one per core.
 };
+
+/// @throws BadInput for a detector that is neither registered nor one of this experiment alone, or that has no
+/// threshold to lower.
+void CheckDetectors(const FeatureExperimentOptions& options);
 
 /// Sums over all pairs.
 struct FeatureCell {

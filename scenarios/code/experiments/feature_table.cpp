@@ -46,6 +46,11 @@ std::string QualityText(const std::vector<FeatureCell>& cells, const FeatureCell
   return fmt::format("{:.0f} %, {:.2f} px", 100 * count->Precision(), count->MedianError());
 }
 
+std::string FewestText(const std::vector<FeatureCell>& cells, const FeatureCell& like) {
+  const MatchCount* count = Find(cells, like);
+  return count ? std::to_string(count->fewest_points) : "-";
+}
+
 /// One row per detector, one column per extent and number of blurred images.
 template <class Text>
 std::string Grid(const std::vector<FeatureCell>& cells, const std::string& setting, double ratio, Text text) {
@@ -102,6 +107,9 @@ std::string FeatureTable(const std::vector<FeatureCell>& cells, const std::vecto
       text += Grid(cells, setting, ratio, CorrectText);
       text += "Precision and median error of the correct ones.\n\n" + Grid(cells, setting, ratio, QualityText);
     }
+  if (!cells.empty())
+    text += "## Key points in the image that had the fewest, " + cells.front().setting + "\n\n" +
+            Grid(cells, cells.front().setting, cells.front().ratio, FewestText);
   return text + WalkTable(walk);
 }
 

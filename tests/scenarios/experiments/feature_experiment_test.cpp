@@ -140,6 +140,28 @@ TEST(FeatureExperiment, TheWholeOfItOnOneSmallPair) {
   EXPECT_FALSE(FeaturePlot(cells).empty());
 }
 
+TEST(FeatureExperiment, EqualNumbersAreEqualWhereADetectorFindsFewByItself) {
+  ImagePair pair;
+  pair.name = "itself";
+  pair.H_ba = Eigen::Matrix3d::Identity();
+  pair.a = pair.b = MakePairs({kPictures / "home.jpg"}, 3).front().a(cv::Rect(100, 60, 300, 240)).clone();
+  FeatureExperimentOptions options;
+  options.detectors = {"sift", "surf", "mobif_fast"};
+  options.extents_px = {20};
+  const auto fewest = [&](int strongest) {
+    options.strongest = strongest;
+    std::set<int> numbers;
+    for (const FeatureCell& cell : RunFeatureExperiment({pair}, options, [](int, int) {}))
+      if (cell.setting == "clean") numbers.insert(cell.count.fewest_points);
+    return numbers;
+  };
+  EXPECT_EQ(fewest(150), std::set<int>{150});
+  EXPECT_LT(*fewest(0).begin(), 150);
+  options.strongest = 150;
+  options.detectors = {"sift_single"};
+  EXPECT_THROW(RunFeatureExperiment({pair}, options, [](int, int) {}), BadInput);
+}
+
 // Most entropies lie within a standard deviation of their mean: a sixth or so is below.
 TEST(FeatureExperiment, FeaturesOfLowEntropyAreInOneOfTwoDetectorsAlike) {
   ImagePair pair;
