@@ -10,6 +10,7 @@
 #include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
