@@ -357,7 +357,7 @@ const std::map<std::string, Features (*)(const cv::Mat& image, int max_features)
 
 Features Extract(const std::string& detector, const cv::Mat& image, const FeatureExperimentOptions& options) {
   constexpr int kMost = 20000;
-  constexpr double kSensitive = 20;
+  constexpr double kSensitive = 200;
   if (options.strongest > 0) return DetectFeatures(*MakeFeature2d(detector, kSensitive), image, options.strongest);
   const auto own = OwnDetectors().find(detector);
   if (own != OwnDetectors().end()) return own->second(image, kMost);
