@@ -101,7 +101,8 @@ struct FeatureExperimentOptions {
   std::vector<double> ratios = {0.8, 0.5};
   uint64_t seed = 1;
   /// 0: what each detector finds at its own threshold, 20000 points at most. Else so many of the strongest of each
-  /// image, thresholds lowered so that there are as many: detectors of this experiment alone cannot do that.
+  /// image, thresholds lowered so that there are as many, if the image has them: detectors of this experiment alone
+  /// cannot do that.
   int strongest = 0;
   int jobs = 0;  ///< Threads; 0: one per core.
 };

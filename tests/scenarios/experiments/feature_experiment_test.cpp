@@ -156,9 +156,8 @@ TEST(FeatureExperiment, EqualNumbersAreEqualWhereADetectorFindsFewByItself) {
       if (cell.setting == "clean") numbers.insert(cell.count.fewest_points);
     return numbers;
   };
-  EXPECT_EQ(fewest(150), std::set<int>{150});
-  EXPECT_LT(*fewest(0).begin(), 150);
-  options.strongest = 150;
+  EXPECT_EQ(fewest(40), std::set<int>{40});
+  EXPECT_LT(*fewest(0).begin(), 40);
   options.detectors = {"sift_single"};
   EXPECT_THROW(RunFeatureExperiment({pair}, options, [](int, int) {}), BadInput);
 }
