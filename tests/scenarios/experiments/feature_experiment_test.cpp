@@ -158,6 +158,7 @@ TEST(FeatureExperiment, EqualNumbersAreEqualWhereADetectorFindsFewByItself) {
   };
   EXPECT_EQ(fewest(40), std::set<int>{40});
   EXPECT_LT(*fewest(0).begin(), 40);
+  options.strongest = 40;
   options.detectors = {"sift_single"};
   EXPECT_THROW(RunFeatureExperiment({pair}, options, [](int, int) {}), BadInput);
 }
