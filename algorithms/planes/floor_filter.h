@@ -44,7 +44,7 @@ enum class FloorWeighting {
   kLikelihood,   ///< Drawn by the optimal proposal and weighed by its integral (above).
   kDifferences,  ///< Drawn from N(m, Q) alone; weight = sum of squared differences of grey level, as Eq. 6.22 stands:
                  ///< the more a particle disagrees with its map, the more often it is drawn.
-  kReciprocal,  ///< The same with the reciprocal of their mean, as Eq. 6.22 must be meant.
+  kReciprocal,   ///< The same with the reciprocal of their mean, as Eq. 6.22 must be meant.
 };
 constexpr auto WordsOf(FloorWeighting) {
   return std::array{EnumWord{FloorWeighting::kLikelihood, "likelihood"},
