@@ -14,8 +14,8 @@
 /// that product: the optimal proposal, to that approximation. Elsewhere poses are drawn from N(m, Q) and weights stay.
 ///
 /// The thesis's own way is there to be compared (FloorWeighting): poses from N(m, Q), weights by differences of grey
-/// level, no registration with the map and no loop closures outside the particles, so the best particle's trajectory is
-/// all that there is in the end. Unlike there, only floor seen at least `loop_m` before counts.
+/// level, no registration with the map; the best particle's trajectory is the final one. Unlike there, only floor seen
+/// at least `loop_m` before counts, and a submap after a loss is searched for as below.
 ///
 /// After a loss the motion is little more than a guess; too few of the particles drawn from it would fall near the
 /// truth. So none are drawn: the trajectory continues from the guess as a new submap, whose covariance relative to the
@@ -129,7 +129,7 @@ class FloorFilter {
   PlanarPose Mean() const;
   /// Of x, y (m) and yaw (rad), in W; that of submaps whose pose is not known is part of it.
   Eigen::Matrix3d Covariance() const;
-  /// Of each pose of SmoothPath(), in its own frame, by the same graph.
+  /// Of each pose of SmoothPath(), in its own frame, by that graph; it knows nothing of weights by differences.
   std::vector<Eigen::Matrix3d> SmoothCovariances(const std::vector<PlanarPose>& smooth) const;
   /// Of a motion over `moved_m` that the tracker knows to `tracked`: inflated, plus a lower bound of drift.
   Eigen::Matrix3d MotionCovariance(double moved_m, const Eigen::Matrix3d& tracked) const;

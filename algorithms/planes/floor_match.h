@@ -51,7 +51,7 @@ struct FloorAgreement {
   Matrix5 H = Matrix5::Zero();  ///< Gauss-Newton's Hessian by (x, y, yaw in the pose's frame, gain, offset).
   Vector5 g = Vector5::Zero();  ///< Minus the gradient.
   double mean_rho = 0;          ///< -2 log p per point.
-  double mean_square = 0;       ///< Of the residuals, in standard deviations.
+  double mean_square = 0;       ///< Of the residuals, each divided by noise_grey.
   double correlation = 0;
   int points = 0;  ///< That some earlier patch covers.
 };

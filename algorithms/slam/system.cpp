@@ -44,8 +44,8 @@ Entry Preset(const std::string& name, const std::string& description, const Keyf
 }
 
 /// A preset called by its default detector.
-/// @param sensitivity of the detector: such that a blurred frame of 320 x 240 px has some hundred points. dlib's SURF
-/// and AKAZE find next to none there at a quarter of their own thresholds, and their odometries no way.
+/// @param sensitivity divides the detector's own threshold. At 4, dlib's SURF and OpenCV's AKAZE lose the way on
+/// blurred frames of 320 x 240 px; 100 was chosen on three brisk walks at 33 ms (results/studies/features_by_back_end).
 Entry KeyframeVoWith(const std::string& feature, const std::string& description, double sensitivity = 4) {
   return Preset(feature + "_vo", description, KeyframeVoOptions::WithFeature(feature, sensitivity));
 }

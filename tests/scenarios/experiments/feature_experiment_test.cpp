@@ -141,11 +141,17 @@ TEST(FeatureExperiment, TheWholeOfItOnOneSmallPair) {
   EXPECT_FALSE(FeaturePlot(cells).empty());
 }
 
-TEST(FeatureExperiment, EqualNumbersAreEqualWhereADetectorFindsFewByItself) {
+/// A part of a photograph, 300 x 240 px, paired with itself.
+ImagePair SmallPictureWithItself() {
   ImagePair pair;
   pair.name = "itself";
   pair.H_ba = Eigen::Matrix3d::Identity();
   pair.a = pair.b = MakePairs({kPictures / "home.jpg"}, 3).front().a(cv::Rect(100, 60, 300, 240)).clone();
+  return pair;
+}
+
+TEST(FeatureExperiment, EqualNumbersAreEqualWhereADetectorFindsFewByItself) {
+  const ImagePair pair = SmallPictureWithItself();
   FeatureExperimentOptions options;
   options.detectors = {"sift", "surf", "mobif_fast"};
   options.extents_px = {20};
@@ -165,10 +171,7 @@ TEST(FeatureExperiment, EqualNumbersAreEqualWhereADetectorFindsFewByItself) {
 
 // Most entropies lie within a standard deviation of their mean: a sixth or so is below.
 TEST(FeatureExperiment, FeaturesOfLowEntropyAreInOneOfTwoDetectorsAlike) {
-  ImagePair pair;
-  pair.name = "itself";
-  pair.H_ba = Eigen::Matrix3d::Identity();
-  pair.a = pair.b = MakePairs({kPictures / "home.jpg"}, 3).front().a(cv::Rect(100, 60, 300, 240)).clone();
+  const ImagePair pair = SmallPictureWithItself();
   FeatureExperimentOptions options;
   options.detectors = {"mobif", "mobif_discards", "mobif_adapt_all", "mobif_adapt"};
   options.extents_px = {0};
