@@ -17,11 +17,13 @@ ProcessOptions OptionsOf(const SystemChoice& choice) {
     options.command = WordsToServe(choice.plugin->plugin);
     options.frame_limit_s = choice.plugin->frame_limit_s;
     options.finish_limit_s = choice.plugin->finish_limit_s;
+    options.memory_mb = choice.plugin->memory_mb;
   } else {
     options.command = choice.process->process;
     options.start_limit_s = choice.process->start_limit_s;
     options.frame_limit_s = choice.process->frame_limit_s;
     options.finish_limit_s = choice.process->finish_limit_s;
+    options.memory_mb = choice.process->memory_mb;
   }
   return options;
 }

@@ -170,9 +170,10 @@ std::vector<std::string> CommandSystem::Words() const {
 std::vector<FrameEstimate> CommandSystem::Run() {
   std::optional<Ending> ending;
   {
-    Subprocess program(
-        Words(), SubprocessStreams{
-                     .log = dataset_->log(), .folder = dataset_->answers(), .max_file_bytes = kMaxForeignFile_bytes});
+    Subprocess program(Words(), SubprocessStreams{.log = dataset_->log(),
+                                                  .folder = dataset_->answers(),
+                                                  .max_file_bytes = kMaxForeignFile_bytes,
+                                                  .max_memory_mb = ForeignMemory_mb(command_.memory_mb)});
     ending = program.Wait(command_.time_limit_s);
   }
   std::error_code ignored;

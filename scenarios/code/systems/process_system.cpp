@@ -100,7 +100,8 @@ class ProcessSystem::Conversation {
                                                        .input = to_.second.number(),
                                                        .output = from_.second.number(),
                                                        .folder = work(),
-                                                       .max_file_bytes = kMaxForeignFile_bytes});
+                                                       .max_file_bytes = kMaxForeignFile_bytes,
+                                                       .max_memory_mb = ForeignMemory_mb(options.memory_mb)});
     to_.second.Close();
     from_.second.Close();
   }

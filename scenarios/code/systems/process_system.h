@@ -21,6 +21,7 @@ struct ProcessOptions {
   double start_limit_s = 60;                    ///< For its answer to the start,
   double frame_limit_s = 10;                    ///< to a frame,
   double finish_limit_s = 600;                  ///< and at the end.
+  double memory_mb = 0;                         ///< As ForeignMemory_mb has it.
 };
 
 class ProcessSystem : public System {

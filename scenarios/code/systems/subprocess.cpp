@@ -24,6 +24,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/file_names.h"
 #include "scenarios/code/systems/foreign_words.h"
+#include "scenarios/code/systems/process_list.h"
 
 extern char** environ;
 
@@ -84,37 +85,6 @@ std::vector<std::string> MarkedEnvironment(const std::string& mark, const std::m
   return environment;
 }
 
-/// Processes of which `file` in /proc holds what `is_wanted` looks for. Some files of other users' cannot be read.
-template <class IsWanted>
-std::vector<pid_t> Processes(const char* file_name, IsWanted is_wanted) {
-  std::vector<pid_t> found;
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator("/proc", ignored)) {
-    const std::string name = entry.path().filename().string();
-    pid_t pid = 0;
-    if (std::from_chars(name.data(), name.data() + name.size(), pid).ec != std::errc()) continue;
-    std::ifstream file(entry.path() / file_name, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (is_wanted(text)) found.push_back(pid);
-  }
-  return found;
-}
-
-/// Processes whose environment holds the mark.
-std::vector<pid_t> Marked(const std::string& mark) {
-  return Processes("environ", [&](const std::string& text) { return text.find(mark) != std::string::npos; });
-}
-
-/// Our children, dead ones included, as far as nobody has waited for them.
-std::vector<pid_t> Children() {
-  return Processes("stat", [us = getpid()](const std::string& text) {
-    const size_t name_end = text.rfind(')');  // "pid (name) state parent ..."
-    int parent = 0;
-    return name_end != std::string::npos && std::sscanf(text.c_str() + name_end, ") %*c %d", &parent) == 1 &&
-           parent == us;
-  });
-}
-
 /// Which children of ours are known: those that we started and wait for, and those that this process had from the
 /// start. Any other was left behind by a program that has ended, and came to us because we asked the kernel for such.
 class KnownChildren {
@@ -163,6 +133,7 @@ class KnownChildren {
 }  // namespace
 
 std::string Ending::ToText() const {
+  if (memory_limit_mb > 0) return fmt::format("was killed: it took more than {:g} MB of memory", memory_limit_mb);
   return signal == 0 ? fmt::format("exited with {}", code)
                      : fmt::format("died of signal {} ({})", signal, strsignal(signal));
 }
@@ -177,10 +148,15 @@ Subprocess::Subprocess(const std::vector<std::string>& command, const Subprocess
   child_ = KnownChildren::Instance().Fork([&] { BecomeProgram(words.data(), variables.data(), streams, parent); });
   if (child_ < 0) throw MissingResource(std::string("cannot start another process: ") + std::strerror(errno));
   setpgid(child_, child_);  // whichever of us comes first
+  if (streams.max_memory_mb > 0) {
+    max_memory_mb_ = streams.max_memory_mb;
+    memory_ = std::make_unique<MemoryWatch>(child_, mark_, uint64_t(streams.max_memory_mb * 1e6));
+  }
 }
 
 Subprocess::~Subprocess() {
   if (child_ == 0) return;
+  memory_.reset();  // before its number may be another's
   kill(-child_, SIGKILL);
   kill(child_, SIGKILL);
   waitpid(child_, nullptr, 0);
@@ -189,7 +165,11 @@ Subprocess::~Subprocess() {
 }
 
 Subprocess::Subprocess(Subprocess&& other) noexcept
-    : child_(std::exchange(other.child_, 0)), mark_(std::move(other.mark_)), ending_(other.ending_) {}
+    : child_(std::exchange(other.child_, 0)),
+      mark_(std::move(other.mark_)),
+      max_memory_mb_(other.max_memory_mb_),
+      memory_(std::move(other.memory_)),
+      ending_(other.ending_) {}
 
 /// Again until there is none: one may start another while we look.
 void Subprocess::KillDescendants() const {
@@ -205,13 +185,19 @@ void Subprocess::KillDescendants() const {
 
 std::optional<Ending> Subprocess::Poll() {
   if (ending_) return ending_;
+  siginfo_t info = {};
+  if (waitid(P_PID, id_t(child_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != child_)
+    return std::nullopt;
+  const bool took_too_much = memory_ && memory_->exceeded();
+  memory_.reset();  // as long as its number is its own
   int status = 0;
-  if (waitpid(child_, &status, WNOHANG) != child_) return std::nullopt;
+  waitpid(child_, &status, 0);
   kill(-child_, SIGKILL);
   KnownChildren::Instance().Forget(child_);
   KillDescendants();
   child_ = 0;
   ending_ = WIFEXITED(status) ? Ending{WEXITSTATUS(status), 0} : Ending{-1, WTERMSIG(status)};
+  if (took_too_much) ending_ = Ending{-1, SIGKILL, max_memory_mb_};
   return ending_;
 }
 
@@ -235,6 +221,11 @@ std::optional<fs::path> FindProgram(const std::string& name) {
     if (!folder.empty() && is_program(fs::path(folder) / name)) return fs::path(folder) / name;
   }
   return std::nullopt;
+}
+
+double ForeignMemory_mb(double given) {
+  constexpr double kPart = 0.75;
+  return given > 0 ? given : kPart * double(MachineMemory_bytes()) / 1e6;
 }
 
 std::string LastLine(const fs::path& file) {

@@ -57,6 +57,7 @@ struct CommandChoice {
   TrajectoryFormat format = TrajectoryFormat::kTum;
   VslamlabMode mode = VslamlabMode::kMono;
   double time_limit_s = 600;
+  double memory_mb = 0;
   std::optional<std::vector<std::string>> depends;
   std::string name;
 };
@@ -72,6 +73,8 @@ void VisitFields(Visitor& visit, CommandChoice& o) {
   visit("format", o.format, EnumWords<TrajectoryFormat>(), "of the trajectory that it writes");
   visit("mode", o.mode, EnumWords<VslamlabMode>(), "interface vslamlab: what it uses of the sequence");
   visit("time_limit_s", o.time_limit_s, Between(0.1, 1e6), "then it is killed, with all that it started");
+  visit("memory_mb", o.memory_mb, Between(0, 1e9),
+        "memory of it and all that it starts, together: with more it is killed; 0: three quarters of the machine's");
   visit("depends", o.depends, Nested(), "further files and folders that it reads; all else of the user's is hidden");
   visit("name", o.name, AnyText(), "as scores and tables call it; the program's name unless given");
 }
@@ -86,6 +89,7 @@ struct ProcessChoice {
   double start_limit_s = 60;
   double frame_limit_s = 10;
   double finish_limit_s = 600;
+  double memory_mb = 0;
   std::optional<std::vector<std::string>> depends;
   std::string name;
 };
@@ -100,6 +104,8 @@ void VisitFields(Visitor& visit, ProcessChoice& o) {
   visit("start_limit_s", o.start_limit_s, Between(0.1, 1e6), "for its answer to the start");
   visit("frame_limit_s", o.frame_limit_s, Between(0.01, 1e6), "for its answer to a frame");
   visit("finish_limit_s", o.finish_limit_s, Between(0.1, 1e6), "for its last answer");
+  visit("memory_mb", o.memory_mb, Between(0, 1e9),
+        "memory of it and all that it starts, together: with more it is killed; 0: three quarters of the machine's");
   visit("depends", o.depends, Nested(), "further files and folders that it reads; all else of the user's is hidden");
   visit("name", o.name, AnyText(), "as scores and tables call it; the program's name unless given");
 }
@@ -110,6 +116,7 @@ struct PluginChoice {
   std::string plugin;
   double frame_limit_s = 60;
   double finish_limit_s = 600;
+  double memory_mb = 0;
   std::optional<std::vector<std::string>> depends;
 };
 
@@ -118,6 +125,8 @@ void VisitFields(Visitor& visit, PluginChoice& o) {
   visit("plugin", o.plugin, AnyText(), "shared library; looked for beside the scenario file first");
   visit("frame_limit_s", o.frame_limit_s, Between(0.01, 1e6), "for its answer to a frame");
   visit("finish_limit_s", o.finish_limit_s, Between(0.1, 1e6), "for its last answer");
+  visit("memory_mb", o.memory_mb, Between(0, 1e9),
+        "memory of it and all that it starts, together: with more it is killed; 0: three quarters of the machine's");
   visit("depends", o.depends, Nested(), "further files and folders that it reads; all else of the user's is hidden");
 }
 

@@ -1,5 +1,7 @@
-// Somebody else's odometry, as a program of its own: OpenCV's direct RGB-D odometry (Steinbrücker et al. 2011, in
-// Debian's opencv_rgbd) on a folder in TUM RGB-D layout. It knows nothing of gaitcam but the dataset's files.
+// Somebody else's odometry, as a program of its own: OpenCV's dense RGB-D odometry (RgbdICPOdometry of Debian's
+// opencv_rgbd) on a folder in TUM RGB-D layout. From frame to frame it makes grey values (Steinbrücker et al. 2011) and
+// the distances of points to planes agree, together. Grey values alone (RgbdOdometry) slip where the view has little
+// texture. It knows nothing of gaitcam but the dataset's files.
 //
 //   rgbd_odometry DATASET OUTPUT
 
@@ -50,7 +52,7 @@ int Track(const std::string& folder, const std::string& output) {
     std::fprintf(stderr, "%s/associations.txt: not there; this program needs depth\n", folder.c_str());
     return 2;
   }
-  const cv::Ptr<cv::rgbd::RgbdOdometry> odometry = cv::rgbd::RgbdOdometry::create(ReadK(folder), 0.1F, 12.0F);
+  const cv::Ptr<cv::rgbd::Odometry> odometry = cv::rgbd::RgbdICPOdometry::create(ReadK(folder), 0.1F, 12.0F);
   std::ofstream out(output);
   Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
   cv::Ptr<cv::rgbd::OdometryFrame> last;

@@ -234,13 +234,13 @@ TEST_F(CommandSystemTest, ATrajectoryOfKeyFramesCoversTheirSpan) {
 }
 
 #ifdef RGBD_ODOMETRY
-// OpenCV's direct RGB-D odometry is a stranger to us: that it follows our frames says that depth, calibration and
-// stamps mean what we say they mean. It slips where the view has little texture, so the median speaks: 1.1 mm measured
-// from frame to frame, of some 3.5 mm of sway and walk.
+// OpenCV's dense RGB-D odometry is a stranger to us: that it follows sharp frames says that depth, calibration and
+// stamps mean what we say they mean. Measured: 0.4 % of the path walked, scale 0.9985; with depth wrong by 2 % the
+// scale is 1.019, and with grey values alone in place of depth and grey values the error is 18 %.
 TEST_F(CommandSystemTest, AStrangersOdometryFindsItsWay) {
   std::ofstream(File("s.yaml")) << "duration_s: 4\n"
                                    "path: {kind: circle, diameter_m: 4}\n"
-                                   "gait: {preset: slow}\n"
+                                   "gait: {preset: normal}\n"
                                    "camera: {exposure_ms: 0, depth: true}\n"
                                    "video: {enabled: false}\n"
                                    "system: {command: ["
@@ -249,7 +249,8 @@ TEST_F(CommandSystemTest, AStrangersOdometryFindsItsWay) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json scores = Scores()["scores"];
   EXPECT_EQ(scores["coverage_ratio"], 1);
-  EXPECT_LT(scores["rpe_trans_median_m_1f"].get<double>(), 0.002);
+  EXPECT_LT(scores["ate_rmse_m"].get<double>(), 0.01 * scores["path_length_m"].get<double>());
+  EXPECT_NEAR(scores["scale_ratio"].get<double>(), 1, 0.01);
 }
 #endif
 

@@ -174,6 +174,41 @@ TEST_F(Strangers, AFileOfTheirsGrowsToItsLimitAndNoFurther) {
   EXPECT_EQ(fs::file_size(temporary_.path() / "log"), 4096U);
 }
 
+class StrangersThatHoard : public Strangers, public testing::WithParamInterface<Misdeed> {};
+
+TEST_P(StrangersThatHoard, AreKilledWithAllTheirProcesses) {
+  const std::string body = "  if m['event'] == 'frame':\n    " + GetParam().body +
+                           "\n  say({'status': 'lost'} if m['event'] == 'frame' else {})\n";
+  const std::string slam = Program("slam.py", Answering(body));
+  EXPECT_THAT(FailureOf("{process: [" + slam + "], memory_mb: 150, frame_limit_s: 20}"), HasSubstr(GetParam().failure));
+  EXPECT_FALSE(IsAnywhere(slam)) << "it still runs";
+}
+
+// The second's processes have less than the limit each, in sessions of their own.
+INSTANTIATE_TEST_SUITE_P(
+    That, StrangersThatHoard,
+    testing::Values(Misdeed{"TakeTooMuch", "hoard = b'x' * 200000000; time.sleep(19)",
+                            "at frame 1 it was killed: it took more than 150 MB of memory"},
+                    Misdeed{"TakeTooMuchInParts",
+                            "[os.fork() == 0 and (os.setsid(), [b'x' * 60000000], time.sleep(19)) for i in range(4)]; "
+                            "time.sleep(19)",
+                            "at frame 1 it was killed: it took more than 150 MB of memory"}),
+    kNameOfMisdeed);
+
+TEST_F(Strangers, WhatTheyMayTakeOfMemoryTheyGet) {
+  const std::string slam =
+      Program("slam.py", Answering("  hoard = b'x' * 100000000; time.sleep(0.5)\n"
+                                   "  say({'status': 'lost'} if m['event'] == 'frame' else {})\n"));
+  EXPECT_EQ(FailureOf("{process: [" + slam + "], memory_mb: 250, frame_limit_s: 20}"), "");
+}
+
+TEST_F(Strangers, ACommandThatHoardsIsKilled) {
+  const std::string slam =
+      Program("slam.py", "#!/usr/bin/env python3\nimport time\nb = b'x' * 200000000\ntime.sleep(19)\n");
+  EXPECT_EQ(FailureOf("{command: [" + slam + R"(, "{dataset}", "{output}"], time_limit_s: 20, memory_mb: 150})"),
+            "was killed: it took more than 150 MB of memory");
+}
+
 // Double forks, sessions and environments of their own: nothing that a program can do to be forgotten is enough.
 TEST_F(Strangers, ChildrenThatHideAreFound) {
   Subprocess program({"/bin/sh", "-c", "env -i setsid sh -c 'sleep 98762.3 & sleep 98762.3' >/dev/null 2>&1 & exit 0"},

@@ -1,0 +1,28 @@
+/// Who runs on this machine, as /proc tells. Processes come and go meanwhile: each answer is of the past.
+
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace gaitcam {
+
+/// Processes whose environment holds `mark`, as far as we may read it.
+std::vector<pid_t> Marked(const std::string& mark);
+
+/// Our children, dead ones included, as far as nobody has waited for them.
+std::vector<pid_t> Children();
+
+/// `root`, all that descend from it through parents that still live, and all marked ones.
+std::vector<pid_t> Family(pid_t root, const std::string& mark);
+
+/// Memory in use that is of no file and not shared with others, bytes; of a process that has gone 0.
+uint64_t PrivateMemory_bytes(pid_t pid);
+
+/// Memory of this machine, or of the control group that we are in if that is allowed less, bytes.
+uint64_t MachineMemory_bytes();
+
+}  // namespace gaitcam
