@@ -1,6 +1,6 @@
-// Programs that are killed at any moment, and programs that run twice at once. What must hold: the same command, given
-// again, leaves the very files that it leaves where nothing ever happened, and nothing else: no half-written file, no
-// folder of a process that is no more.
+// Programs that are killed at any moment, that run twice at once, or whose clock is set back while they run. What must
+// hold: the same command, given again, leaves the very files that it leaves where nothing ever happened, and nothing
+// else: no half-written file, no folder of a process that is no more.
 //
 // GAITCAM_LONG_TESTS=1: all verbs, each killed before each of its calls that alter folders; and at GAITCAM_KILLS (100)
 // random instants each.
@@ -190,6 +190,19 @@ TEST_P(Kills, TwiceAtOnce) {
   EXPECT_EQ(codes.count(WhereNothingHappened().exit_code) + codes.count(2), 2U) << "done, or refused in a line";
   EXPECT_GE(codes.count(WhereNothingHappened().exit_code), 1U);
   EXPECT_EQ(Changed(WhereNothingHappened().files, place.Files()), "");
+}
+
+// An hour at every look: what is found again in a cache was last used in the future.
+TEST_P(Kills, WhileTheClockIsSetBack) {
+  if (verb().is_long && !IsLongPart()) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";
+  ASSERT_TRUE(HadItsOutput());
+  const Workplace place(verb());
+  const TemporaryFolder beside;
+  const fs::path hit = beside.path() / "hit";
+  EXPECT_EQ(place.Run("GAITCAM_CLOCK_HIT=" + hit.string() + " LD_PRELOAD=" + CLOCK_BACK),
+            WhereNothingHappened().exit_code);
+  EXPECT_EQ(Changed(WhereNothingHappened().files, place.Files()), "");
+  if (verb().name == "study") EXPECT_TRUE(fs::exists(hit)) << "the cache looks at the clock";
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Kills, testing::Range(0, int(KilledVerbs().size())),

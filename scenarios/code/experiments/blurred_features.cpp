@@ -48,9 +48,17 @@ std::vector<ImagePair> PackagedPairs(uint64_t seed) {
   return pairs;
 }
 
+/// @throws BadInput for options that --kernels would pass over: its table has rows and numbers of its own.
+void CheckKernelOptions(const BlurredFeatureOptions& options) {
+  if (!options.detector.empty()) throw BadInput("--detector: not with --kernels, which compares detectors of its own");
+  if (!options.walk.empty()) throw BadInput("--walk: not with --kernels, which blurs photographs");
+  if (options.strongest > 0) throw BadInput("--strongest: not with --kernels, which takes all points");
+}
+
 class BlurredFeatures : public ExperimentOf<BlurredFeatureOptions> {
  public:
   void Run(const ExperimentSetup& setup) override {
+    if (options_.kernels) CheckKernelOptions(options_);
     FeatureExperimentOptions options;
     options.seed = options_.seed;
     options.jobs = setup.jobs;

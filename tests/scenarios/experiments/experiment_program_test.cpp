@@ -100,6 +100,8 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"tracking_time --system mobif_v", "mobif_v"},
                                         {"walking --robot khr1v", "khr1v"},
                                         {"features nowhere", "nowhere"},
+                                        {"features --kernels --detector sift", "--detector: not with --kernels"},
+                                        {"features --kernels --strongest 500", "--strongest: not with --kernels"},
                                         {"features --detector syft", "syft"}}) {
     const ProgramResult result = Run(words);
     EXPECT_EQ(result.exit_code, 2) << words << ": " << result.err;
