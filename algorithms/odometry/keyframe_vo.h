@@ -40,7 +40,9 @@ struct KeyframeVoOptions {
 
   std::string feature = "mobif";  ///< Detector by name (algorithms/features/features.h).
   int max_features = 800;         ///< Strongest features kept per frame.
-  double sensitivity = 4;         ///< The detector's own threshold is divided by this: blurred images need more.
+  /// The detector's own threshold is divided by this. Blur and dim light take contrast; where there are more points
+  /// than `max_features`, the strongest are taken in any case.
+  double sensitivity = 100;
 
   // The fields of these are fields of these options.
   MapInitializerOptions initializer;
@@ -65,7 +67,8 @@ template <class Visitor>
 void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
   visit("feature", o.feature, FeatureNames(), "detector and descriptor");
   visit("max_features", o.max_features, Between(50, 100000), "strongest features kept per frame");
-  visit("sensitivity", o.sensitivity, Between(0.01, 1000.0), "the detector's threshold is divided by this");
+  visit("sensitivity", o.sensitivity, Between(0.01, 1000.0),
+        "the detector's threshold is divided by this; orb does better with 4");
   VisitFields(visit, o.initializer);
   VisitFields(visit, o.localizer);
   VisitFields(visit, o.policy);

@@ -44,14 +44,14 @@ Entry Preset(const std::string& name, const std::string& description, const Keyf
 }
 
 /// A preset called by its default detector.
-/// @param sensitivity divides the detector's own threshold. At 4, dlib's SURF and OpenCV's AKAZE lose the way on
-/// blurred frames of 320 x 240 px; 100 was chosen on three brisk walks at 33 ms (results/studies/features_by_back_end).
-Entry KeyframeVoWith(const std::string& feature, const std::string& description, double sensitivity = 4) {
+/// @param sensitivity divides the detector's own threshold (results/studies/thresholds).
+Entry KeyframeVoWith(const std::string& feature, const std::string& description,
+                     double sensitivity = KeyframeVoOptions().sensitivity) {
   return Preset(feature + "_vo", description, KeyframeVoOptions::WithFeature(feature, sensitivity));
 }
 
 Entry MobifVoPlus() {
-  KeyframeVoOptions options = KeyframeVoOptions::WithFeature("mobif", 4);
+  KeyframeVoOptions options;
   options.rotation_before_map = true;
   options.window = 12;
   options.adjust_iterations = 20;
@@ -199,12 +199,12 @@ Entry AppearanceEntry(const std::string& name, const std::string& description) {
 /// Every system there is: a new one is one more line here.
 std::vector<Entry> MakeEntries() {
   std::vector<Entry> entries = {
-      KeyframeVoWith("akaze", "the odometry of mobif_vo with AKAZE features", 100),
+      KeyframeVoWith("akaze", "the odometry of mobif_vo with AKAZE features"),
       KeyframeVoWith("mobif", "monocular keyframe odometry with MoBIF features"),
       MobifVoPlus(),
-      KeyframeVoWith("orb", "the odometry of mobif_vo with ORB features"),
+      KeyframeVoWith("orb", "the odometry of mobif_vo with ORB features", 4),
       KeyframeVoWith("sift", "the odometry of mobif_vo with SIFT features: the plain baseline"),
-      KeyframeVoWith("surf", "the odometry of mobif_vo with SURF features", 100),
+      KeyframeVoWith("surf", "the odometry of mobif_vo with SURF features"),
       {{"stereo_pair_vo",
         "stereo odometry from frame to frame, with error propagation in closed form (Valencia, chapter 2, alone)",
         ListFields(StereoPairVoOptions()),
