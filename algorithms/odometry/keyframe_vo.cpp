@@ -1,11 +1,15 @@
 #include "algorithms/odometry/keyframe_vo.h"
 
+#include <cmath>
 #include <deque>
 #include <optional>
 #include <utility>
 
 #include "algorithms/core/random.h"
 #include "algorithms/core/se3.h"
+#include "algorithms/core/units.h"
+#include "algorithms/features/blur_aware_feature.h"
+#include "algorithms/features/psf_inertial.h"
 #include "algorithms/geometry/gyro_turn.h"
 #include "algorithms/geometry/up_direction.h"
 #include "algorithms/odometry/floor_prior.h"
@@ -29,7 +33,7 @@ KeyframeMapOptions MapOptions(const KeyframeVoOptions& o) {
 /// Short, so that the gyroscope's unknown bias tilts little; what accelerations do to it, the mean over frames removes.
 constexpr double kGravityTime_s = 0.5;
 
-constexpr int64_t kKeepImu_ns = 100'000'000;  // more than a period of the gyroscope
+constexpr int64_t kKeepImu_ns = 100'000'000;  // more than half an exposure, and than a period of the gyroscope
 
 }  // namespace
 
@@ -47,7 +51,9 @@ class KeyframeVo::Tracker {
         policy_(options.policy, options.localizer.min_inliers),
         map_(MapOptions(options)) {
     if (options.metric && calibration.standing) metric_.emplace(calibration);
-    if (options.use_imu && calibration.imu.rate_hz > 0) gyro_.emplace(calibration.imu);
+    if ((options.use_imu || options.blur_by_imu) && calibration.imu.rate_hz > 0) gyro_.emplace(calibration.imu);
+    if (gyro_ && options.blur_by_imu && calibration.readout_ms == 0)
+      blur_aware_ = dynamic_cast<BlurAwareFeature*>(detector_.get());
   }
 
   FrameEstimate Track(const Observation& observation) {
@@ -117,6 +123,7 @@ class KeyframeVo::Tracker {
   std::optional<Eigen::Vector3d> UpNow() const { return metric_ ? std::optional(metric_->up_C.up_C()) : std::nullopt; }
 
   FrameEstimate Answer(const Observation& observation);
+  void TellBlur(const Observation& observation);
   void LearnBias(const Pose& X_WC, int64_t stamp_ns);
   bool Initialize(FrameView& view, std::optional<Pose>& predicted);
   Pose PredictPose(int64_t stamp_ns) const;
@@ -138,6 +145,7 @@ class KeyframeVo::Tracker {
   CameraModel camera_;
   KeyframeVoOptions options_;
   cv::Ptr<cv::Feature2D> detector_;
+  BlurAwareFeature* blur_aware_ = nullptr;   ///< The same, where it is to be told of blur.
   RandomStream random_, random_of_backlog_;  ///< What is found later changes nothing of what is found at once.
 
   MapInitializer initializer_;
@@ -166,6 +174,7 @@ class KeyframeVo::Tracker {
 FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   FrameEstimate answer;
   answer.stamp_ns = observation.stamp_ns;
+  if (blur_aware_) TellBlur(observation);
   FrameView view = ViewFrame(observation.image.pixels, camera_, *detector_, options_.max_features,
                              {options_.localizer.sigma_px, options_.localizer.sigma_per_size});
   answer.features = view.features.size();
@@ -229,7 +238,7 @@ bool KeyframeVo::Tracker::Initialize(FrameView& view, std::optional<Pose>& predi
 /// The last pose, turned since as the gyroscope says.
 Pose KeyframeVo::Tracker::PredictPose(int64_t stamp_ns) const {
   Pose prediction = last_->pose;
-  if (!gyro_) return prediction;
+  if (!options_.use_imu || !gyro_) return prediction;
   if (const auto turn = gyro_->Between(last_->stamp_ns, stamp_ns))
     prediction.rotation = prediction.rotation * ExpSo3(*turn);
   return prediction;
@@ -242,6 +251,16 @@ void KeyframeVo::Tracker::LearnBias(const Pose& X_WC, int64_t stamp_ns) {
   if (!turn) return;
   const Eigen::Quaterniond R_NL = X_WC.rotation.conjugate() * last_->pose.rotation;
   gyro_->LearnBias(LogSo3(R_NL * ExpSo3(*turn)), 1e-9 * double(stamp_ns - last_->stamp_ns), kSigma_rad);
+}
+
+/// Of the present frame's exposure; nothing where the gyroscope did not measure all of it.
+void KeyframeVo::Tracker::TellBlur(const Observation& observation) {
+  const int64_t half_ns = std::llround(0.5 * observation.exposure_ms * kNsPerMs);
+  const int64_t open_ns = observation.stamp_ns - half_ns, close_ns = observation.stamp_ns + half_ns;
+  if (half_ns == 0 || !gyro_->Between(open_ns, close_ns)) return blur_aware_->SetBlurRegions({});
+  const Eigen::Vector3d bias_I = calibration_.imu.X_CI.rotation.conjugate() * gyro_->bias();
+  const InertialPsf blur(gyro_->samples(), calibration_.imu, camera_, open_ns, close_ns, bias_I);
+  blur_aware_->SetBlurRegions(blur.Regions());
 }
 
 /// With a map: the map grows by a frame that has a pose in it.

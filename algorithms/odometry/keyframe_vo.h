@@ -54,6 +54,7 @@ struct KeyframeVoOptions {
   int memory = 20;             ///< Keyframes after which a landmark that was not seen again is removed.
   bool use_floor = true;       ///< FloorPrior.
   bool use_imu = false;        ///< Predict each frame's rotation by the gyroscope, whose bias is learned.
+  bool blur_by_imu = false;    ///< Tell a detector that accounts for blur how the gyroscope says the light moved.
   bool metric = true;          ///< MetricScale, where the calibration says how high the camera stands.
   /// Frames before a map get predictions as if the camera only turned.
   bool rotation_before_map = false;
@@ -77,6 +78,8 @@ void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
   visit("memory", o.memory, Between(1, 100000), "keyframes until an unseen landmark is removed");
   visit("use_floor", o.use_floor, Nested(), "depths and scale by the camera's height over the floor");
   visit("use_imu", o.use_imu, Nested(), "predict each frame's rotation by the gyroscope");
+  visit("blur_by_imu", o.blur_by_imu, Nested(),
+        "detectors that account for blur are told of it by the gyroscope; behind a global shutter");
   visit("metric", o.metric, Nested(), "poses in metres by the height at which the camera stands, where that is known");
   visit("rotation_before_map", o.rotation_before_map, Nested(),
         "frames before a map get predictions that turn without moving");
