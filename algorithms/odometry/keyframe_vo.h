@@ -54,8 +54,11 @@ struct KeyframeVoOptions {
   int memory = 20;             ///< Keyframes after which a landmark that was not seen again is removed.
   bool use_floor = true;       ///< FloorPrior.
   bool use_imu = false;        ///< Predict each frame's rotation by the gyroscope, whose bias is learned.
-  bool blur_by_imu = false;    ///< Tell a detector that accounts for blur how the gyroscope says the light moved.
-  bool metric = true;          ///< MetricScale, where the calibration says how high the camera stands.
+  /// Tell a detector that accounts for blur how the light moved during the exposure, by the gyroscope (InertialPsf): by
+  /// rotation alone, behind a global shutter, its bias as learned. Frames whose exposure it did not measure whole are
+  /// left to the detector's own estimate.
+  bool blur_by_imu = false;
+  bool metric = true;  ///< MetricScale, where the calibration says how high the camera stands.
   /// Frames before a map get predictions as if the camera only turned.
   bool rotation_before_map = false;
   int max_lost_frames = 15;  ///< Frames without a pose after which the map is given up and another initialised.

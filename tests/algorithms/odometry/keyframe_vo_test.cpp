@@ -381,6 +381,30 @@ TEST(KeyframeVo, AGyroscopeSaysHowTheCameraTurnedWhereNothingIsSeen) {
   EXPECT_GT(*std::max_element(without.begin(), without.end()), 0.05) << "it takes the head as still";
 }
 
+/// Sideways, and the head shakes: 30 ms smear 12 px at most, along paths that are bent where it turns back.
+Pose ShakenPose(double t_s) {
+  return SidewaysPose(t_s) * Pose(ExpSo3({0.05 * std::sin(29 * t_s), 0.12 * std::sin(17 * t_s), 0}), {0, 0, 0});
+}
+
+// Inliers of all frames, measured: told 5982, blind 5224, told of paths backwards 3009.
+TEST(KeyframeVo, AGyroscopeSaysHowTheLightMoved) {
+  const Film film = WithGyro(FilmPath(Room(), kCamera, 40, ShakenPose, 30, 10), ShakenPose);
+  const auto inliers = [&](bool blur_by_imu, double sign) {
+    KeyframeVoOptions options;
+    options.blur_by_imu = blur_by_imu;
+    KeyframeVo vo(CameraAndGyro(), options, 1);
+    int sum = 0;
+    for (Observation frame : film.frames) {
+      for (ImuSample& sample : frame.imu) sample.angular_rate *= sign;
+      sum += vo.Track(frame).inliers;
+    }
+    return sum;
+  };
+  const int blind = inliers(false, 1);
+  EXPECT_GT(inliers(true, 1), 1.1 * blind);
+  EXPECT_LT(inliers(true, -1), 0.8 * blind);
+}
+
 TEST(KeyframeVo, NoiseInitialisesNoMap) {
   RandomStream random(1, "noise");
   KeyframeVo vo(OneCamera(), Fast(), 1);
