@@ -16,7 +16,7 @@ namespace gaitcam {
 /// Looks five times a second how much memory a process and its family (process_list.h) have in use, and kills all of
 /// them once it is more than they may. The kernel's own limits are of one process, and of what it reserves, not uses:
 /// sanitizers and drivers of graphics cards reserve terabytes. Memory that is shared, of other programs' or with files
-/// of a folder in memory behind it, does not count.
+/// of a folder in memory behind it, does not count; what a fork left in common counts for each that has it.
 class MemoryWatch {
  public:
   MemoryWatch(pid_t root, std::string mark, uint64_t max_bytes);

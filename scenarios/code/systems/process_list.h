@@ -19,7 +19,8 @@ std::vector<pid_t> Children();
 /// `root`, all that descend from it through parents that still live, and all marked ones.
 std::vector<pid_t> Family(pid_t root, const std::string& mark);
 
-/// Memory in use that is of no file and not shared with others, bytes; of a process that has gone 0.
+/// Memory in use that is of no file and not shared with others, bytes; of a process that has gone 0. Pages that a fork
+/// left in common with its parent count in full for both.
 uint64_t PrivateMemory_bytes(pid_t pid);
 
 /// Memory of this machine, or of the control group that we are in if that is allowed less, bytes.
