@@ -21,7 +21,7 @@ class GyroTurn {
   void Add(const std::vector<ImuSample>& samples);
   void DropBefore(int64_t stamp_ns);
   bool has_samples() const { return !samples_.empty(); }
-  const std::vector<ImuSample>& samples() const { return samples_; }  ///< As measured.
+  const std::vector<ImuSample>& samples() const { return samples_; }  ///< As measured, in the IMU's frame.
 
   /// The phi of R_FT = Exp(phi), F and T being the camera's frame at the two instants. A sample is the mean rate
   /// over one period about its stamp; time that no sample covers is taken to turn alike.

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
 #include "algorithms/core/se3.h"
 #include "algorithms/core/units.h"
@@ -52,8 +53,7 @@ class KeyframeVo::Tracker {
         map_(MapOptions(options)) {
     if (options.metric && calibration.standing) metric_.emplace(calibration);
     if ((options.use_imu || options.blur_by_imu) && calibration.imu.rate_hz > 0) gyro_.emplace(calibration.imu);
-    if (gyro_ && options.blur_by_imu && calibration.readout_ms == 0)
-      blur_aware_ = dynamic_cast<BlurAwareFeature*>(detector_.get());
+    if (options.blur_by_imu) blur_aware_ = &BlurAware(calibration);
   }
 
   FrameEstimate Track(const Observation& observation) {
@@ -123,6 +123,7 @@ class KeyframeVo::Tracker {
   std::optional<Eigen::Vector3d> UpNow() const { return metric_ ? std::optional(metric_->up_C.up_C()) : std::nullopt; }
 
   FrameEstimate Answer(const Observation& observation);
+  BlurAwareFeature& BlurAware(const Calibration& calibration) const;
   void TellBlur(const Observation& observation);
   void LearnBias(const Pose& X_WC, int64_t stamp_ns);
   bool Initialize(FrameView& view, std::optional<Pose>& predicted);
@@ -251,6 +252,15 @@ void KeyframeVo::Tracker::LearnBias(const Pose& X_WC, int64_t stamp_ns) {
   if (!turn) return;
   const Eigen::Quaterniond R_NL = X_WC.rotation.conjugate() * last_->pose.rotation;
   gyro_->LearnBias(LogSo3(R_NL * ExpSo3(*turn)), 1e-9 * double(stamp_ns - last_->stamp_ns), kSigma_rad);
+}
+
+/// The detector that is to be told of blur. @throws BadOption where it cannot be told.
+BlurAwareFeature& KeyframeVo::Tracker::BlurAware(const Calibration& calibration) const {
+  auto* const detector = dynamic_cast<BlurAwareFeature*>(detector_.get());
+  if (detector == nullptr) throw BadOption("blur_by_imu: " + options_.feature + " does not account for blur");
+  if (calibration.readout_ms > 0) throw BadOption("blur_by_imu: needs a global shutter, this one rolls");
+  if (!gyro_) throw BadOption("blur_by_imu: needs a gyroscope");
+  return *detector;
 }
 
 /// Of the present frame's exposure; nothing where the gyroscope did not measure all of it.

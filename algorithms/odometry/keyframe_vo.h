@@ -55,8 +55,8 @@ struct KeyframeVoOptions {
   bool use_floor = true;       ///< FloorPrior.
   bool use_imu = false;        ///< Predict each frame's rotation by the gyroscope, whose bias is learned.
   /// Tell a detector that accounts for blur how the light moved during the exposure, by the gyroscope (InertialPsf): by
-  /// rotation alone, behind a global shutter, its bias as learned. Frames whose exposure it did not measure whole are
-  /// left to the detector's own estimate.
+  /// rotation alone, its bias as learned. Frames whose exposure it did not measure whole are left to the detector's own
+  /// estimate. Needs a gyroscope, a global shutter and such a detector (BadOption).
   bool blur_by_imu = false;
   bool metric = true;  ///< MetricScale, where the calibration says how high the camera stands.
   /// Frames before a map get predictions as if the camera only turned.
@@ -82,7 +82,7 @@ void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
   visit("use_floor", o.use_floor, Nested(), "depths and scale by the camera's height over the floor");
   visit("use_imu", o.use_imu, Nested(), "predict each frame's rotation by the gyroscope");
   visit("blur_by_imu", o.blur_by_imu, Nested(),
-        "detectors that account for blur are told of it by the gyroscope; behind a global shutter");
+        "a detector that accounts for blur is told of it by the gyroscope; needs a global shutter");
   visit("metric", o.metric, Nested(), "poses in metres by the height at which the camera stands, where that is known");
   visit("rotation_before_map", o.rotation_before_map, Nested(),
         "frames before a map get predictions that turn without moving");

@@ -192,6 +192,13 @@ TEST_P(Kills, TwiceAtOnce) {
   EXPECT_EQ(Changed(WhereNothingHappened().files, place.Files()), "");
 }
 
+TEST(ClockBack, TurnsTheClockBack) {
+  const auto now_s = [](const std::string& variables) {
+    return std::stoll(RunShell(variables + " date +%s", fs::temp_directory_path()).out);
+  };
+  EXPECT_LT(now_s(std::string("LD_PRELOAD=") + CLOCK_BACK), now_s("") - 3000);
+}
+
 // An hour at every look: what is found again in a cache was last used in the future.
 TEST_P(Kills, WhileTheClockIsSetBack) {
   if (verb().is_long && !IsLongPart()) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";

@@ -19,6 +19,7 @@ namespace gaitcam {
 /// of a folder in memory behind it, does not count; what a fork left in common counts for each that has it.
 class MemoryWatch {
  public:
+  /// @param mark what the environment of the family's processes holds. @param max_bytes of all of them together.
   MemoryWatch(pid_t root, std::string mark, uint64_t max_bytes);
   /// Ends the watch, within the time of one look.
   ~MemoryWatch();

@@ -425,6 +425,15 @@ TEST(KeyframeVo, BadOptionsAndImagesAreRefused) {
   options.feature = "mobiff";
   EXPECT_THROW(KeyframeVo(OneCamera(), options, 1), BadOption);
   options = {};
+  options.blur_by_imu = true;
+  EXPECT_NO_THROW(KeyframeVo(CameraAndGyro(), options, 1));
+  EXPECT_THROW(KeyframeVo(OneCamera(), options, 1), BadOption) << "no gyroscope";
+  Calibration rolling = CameraAndGyro();
+  rolling.readout_ms = 20;
+  EXPECT_THROW(KeyframeVo(rolling, options, 1), BadOption);
+  options.feature = "sift";
+  EXPECT_THROW(KeyframeVo(CameraAndGyro(), options, 1), BadOption) << "it knows nothing of blur";
+  options = {};
   options.initializer.matching.ratio = 1.2;
   try {
     KeyframeVo vo(OneCamera(), options, 1);
