@@ -3,28 +3,38 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
+#include <string>
 
 namespace gaitcam {
 namespace fs = std::filesystem;
 namespace {
 
+/// All of a file of /proc, whose process may end while it is read: what was read until then.
+std::string TextOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  std::array<char, 4096> part;
+  // Not by iterators over its buffer: they throw where reading fails, and that is what ends a process.
+  while (file.read(part.data(), part.size()), file.gcount() > 0) text.append(part.data(), size_t(file.gcount()));
+  return text;
+}
+
 /// What each process has in a file of its folder in /proc; empty where it may not be read.
 std::map<pid_t, std::string> FilesOfProcesses(const char* file_name) {
   std::map<pid_t, std::string> files;
   std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator("/proc", ignored)) {
-    const std::string name = entry.path().filename().string();
+  for (fs::directory_iterator entry("/proc", ignored), end; entry != end; entry.increment(ignored)) {
+    const std::string name = entry->path().filename().string();
     pid_t pid = 0;
     if (std::from_chars(name.data(), name.data() + name.size(), pid).ec != std::errc()) continue;
-    std::ifstream file(entry.path() / file_name, std::ios::binary);
-    files[pid] = {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    files[pid] = TextOf(entry->path() / file_name);
   }
   return files;
 }
