@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <vector>
 
 namespace gaitcam {
@@ -42,7 +41,7 @@ class ShortLives {
   std::vector<pid_t> parents_ = std::vector<pid_t>(2);
 };
 
-TEST(ProcessList, StandsProcessesThatEndWhileItLooks) {
+TEST(ProcessList, ProcessesMayEndWhileItLooks) {
   const ShortLives lives;
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
   int looks = 0;
