@@ -97,6 +97,18 @@ void FloorPrior::Update(const KeyframeMap& map, const Pose& X_WC, RandomStream& 
   FindObstacles(map, X_WC);
 }
 
+void FloorPrior::Update(const KeyframeMap& map, const Pose& X_WC, const Carried& carried,
+                        const std::optional<CarriedHeight>& measured) {
+  constexpr int kMeasurements = 5;
+  normal_W_ = measured ? measured->normal_W : carried.up_W;
+  if (measured && measurements_ < kMeasurements) {
+    const double before = height_.value_or(0);
+    ++measurements_;
+    height_ = before + (measured->height - before) / measurements_;
+  }
+  FindObstacles(map, X_WC);
+}
+
 void FloorPrior::FindObstacles(const KeyframeMap& map, const Pose& X_WC) {
   obstacles_.clear();
   if (!height_) return;

@@ -2,7 +2,9 @@
 /// feature below the horizon has, if it lies on the floor, a known inverse depth. This limits the scale drift of a
 /// monocular map, and gives new landmarks a depth when the robot turns on the spot.
 ///
-/// Assumes that the camera is carried roughly level: the floor's normal lies within 35 degrees of the camera's up.
+/// Where gravity is known, the floor is the one that MetricScale measures with it. Elsewhere it is fitted to the
+/// landmarks alone, and the camera is assumed to be carried roughly level: the floor's normal lies within 35 degrees of
+/// its up.
 
 #pragma once
 
@@ -12,6 +14,7 @@
 
 #include "algorithms/core/random.h"
 #include "algorithms/odometry/keyframe_map.h"
+#include "algorithms/odometry/metric_scale.h"
 
 namespace gaitcam {
 
@@ -32,6 +35,11 @@ class FloorPrior {
   /// update the normal alone.
   void Update(const KeyframeMap& map, const Pose& X_WC, RandomStream& random);
 
+  /// The same where gravity is known. The first measurements, which have a baseline of some keyframes, fix the height;
+  /// two views alone measure it wrong by a tenth or more. The normal is the measured one, or else the vertical.
+  void Update(const KeyframeMap& map, const Pose& X_WC, const Carried& carried,
+              const std::optional<CarriedHeight>& measured);
+
   /// Inverse depth of a feature if it lies on the floor. Nothing above or near the horizon, while no floor was found,
   /// or where known landmarks stand before it: floor behind the foot of a wall cannot be seen.
   /// @param xy normalised image coordinates
@@ -40,6 +48,7 @@ class FloorPrior {
   /// Forgets the height: a new map has a new unit.
   void Clear() {
     height_.reset();
+    measurements_ = 0;
     obstacles_.clear();
   }
 
@@ -51,6 +60,7 @@ class FloorPrior {
   bool IsOccluded(const Pose& X_WC, const Eigen::Vector3d& floor_point_W) const;
 
   std::optional<double> height_;
+  int measurements_ = 0;                                ///< That `height_` is the mean of, where gravity is known.
   Eigen::Vector3d normal_W_ = Eigen::Vector3d::Zero();  ///< Up.
   std::vector<Eigen::Vector3d> obstacles_;              ///< Landmarks well above the floor, in W.
 };

@@ -306,11 +306,15 @@ void KeyframeVo::Tracker::AddKeyframe(FrameView& view) {
   if (!inliers_.empty()) ScaleNoise(map_, inliers_, view);
   map_.AddKeyframe(view, inliers_, median_depth_, DepthPriors());
   median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
-  if (options_.use_floor) floor_.Update(map_, view.X_WC, random_);
   policy_.OnKeyframe(int(inliers_.size()));
-  if (!metric_) return;
-  FollowGravity(view.X_WC);
-  metric_->scale.Add(MeasureCarriedHeight(map_, metric_->carried), false);
+  if (metric_) {
+    FollowGravity(view.X_WC);
+    const auto measured = MeasureCarriedHeight(map_, metric_->carried);
+    metric_->scale.Add(measured, false);
+    if (options_.use_floor) floor_.Update(map_, view.X_WC, metric_->carried, measured);
+  } else if (options_.use_floor) {
+    floor_.Update(map_, view.X_WC, random_);
+  }
 }
 
 void KeyframeVo::Tracker::Postpone(const FrameView& view, int64_t stamp_ns) {

@@ -123,5 +123,43 @@ TEST(FloorPrior, BehindAWallsFootThereIsNoFloor) {
   EXPECT_TRUE(prior.DepthAt(view.X_WC, {u + 0.5, 0.17})) << "beside it";
 }
 
+/// What gravity and a measurement tell of a camera whose y axis points down.
+Carried LevelCamera() { return {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d::Zero()}; }
+CarriedHeight FloorBelow(double height) { return {height, 0.02, Eigen::Vector3d(0, -1, 0), 100}; }
+
+TEST(FloorPriorWithGravity, TheMeanOfTheFirstMeasurementsIsTheHeightForGood) {
+  const FloorMap floor;
+  FloorPrior prior;
+  prior.Update(floor.map, floor.last, LevelCamera(), std::nullopt);
+  EXPECT_FALSE(prior.height()) << "the map alone would have told one";
+  for (const double height : {0.48, 0.52, 0.49, 0.51, 0.55})
+    prior.Update(floor.map, floor.last, LevelCamera(), FloorBelow(height));
+  ASSERT_TRUE(prior.height());
+  EXPECT_NEAR(*prior.height(), 0.51, 1e-12);
+  prior.Update(floor.map, floor.last, LevelCamera(), FloorBelow(0.2));
+  EXPECT_NEAR(*prior.height(), 0.51, 1e-12) << "a map that shrinks is held, not followed";
+  prior.Clear();
+  prior.Update(floor.map, floor.last, LevelCamera(), FloorBelow(0.2));
+  EXPECT_NEAR(*prior.height(), 0.2, 1e-12) << "a new map has a new unit";
+}
+
+/// A fit without gravity takes a slope of landmarks for the floor, and hides the true one behind it.
+TEST(FloorPriorWithGravity, ASlopeOfLandmarksDoesNotTiltTheFloor) {
+  const FloorMap floor;
+  const Pose tilted(Eigen::Quaterniond(RotX(0.3)), floor.last.translation);
+  Carried carried = LevelCamera();
+  carried.up_W = RotX(0.3) * carried.up_W;  // seen from the vertical, the map's floor is a slope of 17 degrees
+  FloorPrior prior, without_gravity;
+  CarriedHeight before = FloorBelow(0.5);
+  before.normal_W = carried.up_W;
+  prior.Update(floor.map, tilted, carried, before);
+  for (int k = 0; k < 10; ++k) prior.Update(floor.map, tilted, carried, std::nullopt);
+  EXPECT_LT(std::acos(std::min(1.0, prior.normal().dot(carried.up_W))), 1e-6);
+  RandomStream random(8, "ransac");
+  without_gravity.Update(floor.map, tilted, random);
+  ASSERT_TRUE(without_gravity.height()) << "the landmarks do make a floor";
+  EXPECT_GT(std::acos(std::min(1.0, without_gravity.normal().dot(carried.up_W))), 0.25);
+}
+
 }  // namespace
 }  // namespace gaitcam
