@@ -31,12 +31,12 @@ std::optional<FloorPlane> FindFloor(const std::vector<Eigen::Vector3d>& points, 
 
 class FloorPrior {
  public:
-  /// Fits the floor to the landmarks below the camera. The first fit fixes the camera's height for good; later ones
-  /// update the normal alone.
+  /// Fits the floor to the landmarks below the camera, where gravity is not known. The first fit fixes the camera's
+  /// height for good; later ones update the normal alone.
   void Update(const KeyframeMap& map, const Pose& X_WC, RandomStream& random);
 
-  /// The same where gravity is known. The first measurements, which have a baseline of some keyframes, fix the height;
-  /// two views alone measure it wrong by a tenth or more. The normal is the measured one, or else the vertical.
+  /// The same where gravity is known. The mean of the first five measurements, whose baseline is longer than that of
+  /// the map's first two views, fixes the height. The normal is the measured one, or else the vertical.
   void Update(const KeyframeMap& map, const Pose& X_WC, const Carried& carried,
               const std::optional<CarriedHeight>& measured);
 
