@@ -37,6 +37,7 @@ class FloorPrior {
 
   /// The same where gravity is known. The mean of the first five measurements, whose baseline is longer than that of
   /// the map's first two views, fixes the height. The normal is the measured one, or else the vertical.
+  /// @param carried,measured lengths in the map's unit, directions and positions in W
   void Update(const KeyframeMap& map, const Pose& X_WC, const Carried& carried,
               const std::optional<CarriedHeight>& measured);
 

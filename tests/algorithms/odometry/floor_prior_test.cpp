@@ -143,7 +143,7 @@ TEST(FloorPriorWithGravity, TheMeanOfTheFirstMeasurementsIsTheHeightForGood) {
   EXPECT_NEAR(*prior.height(), 0.2, 1e-12) << "a new map has a new unit";
 }
 
-/// A fit without gravity takes a slope of landmarks for the floor, and hides the true one behind it.
+/// Landmarks that happen to lie on a slope: a fit without gravity takes it for the floor.
 TEST(FloorPriorWithGravity, ASlopeOfLandmarksDoesNotTiltTheFloor) {
   const FloorMap floor;
   const Pose tilted(Eigen::Quaterniond(RotX(0.3)), floor.last.translation);
