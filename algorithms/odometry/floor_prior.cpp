@@ -85,7 +85,7 @@ void FloorPrior::Update(const KeyframeMap& map, const Pose& X_WC, RandomStream& 
     if (p_C.y() > 0) points.push_back(p_C);
   }
   const auto plane = FindFloor(points, random);
-  if (!plane) return FindObstacles(map, X_WC);
+  if (!plane) return FindObstacles(map, X_WC, height_.value_or(0), {});
   const Eigen::Vector3d normal_W = X_WC.rotation * plane->normal;
   if (!height_) {
     height_ = plane->height;
@@ -94,7 +94,7 @@ void FloorPrior::Update(const KeyframeMap& map, const Pose& X_WC, RandomStream& 
     constexpr double kGain = 0.2;  // of a low-pass filter: the map's orientation drifts slowly
     normal_W_ = ((1 - kGain) * normal_W_ + kGain * normal_W).normalized();
   }
-  FindObstacles(map, X_WC);
+  FindObstacles(map, X_WC, *height_, {});
 }
 
 void FloorPrior::Update(const KeyframeMap& map, const Pose& X_WC, const Carried& carried,
@@ -106,40 +106,60 @@ void FloorPrior::Update(const KeyframeMap& map, const Pose& X_WC, const Carried&
     ++measurements_;
     height_ = before + (measured->height - before) / measurements_;
   }
-  FindObstacles(map, X_WC);
+  if (measured) return FindObstacles(map, X_WC, measured->height, measured->on_floor_W);
+  FindObstacles(map, X_WC, height_.value_or(0), {});
 }
 
-void FloorPrior::FindObstacles(const KeyframeMap& map, const Pose& X_WC) {
+/// In the camera's place, over the floor.
+FloorPrior::Standing FloorPrior::StandingAt(const Pose& X_WC, const Eigen::Vector3d& p_W) const {
+  const Eigen::Vector3d v = p_W - X_WC.translation;
+  const double up = normal_W_.dot(v);
+  return {v - up * normal_W_, up + height_now_};
+}
+
+/// Whether something that reaches from the floor up to `obstacle` hides a point of the floor.
+bool FloorPrior::Hides(const Standing& obstacle, const Standing& floor_point) const {
+  constexpr double kMaxTangent = 0.1;   // of the horizontal angle between the two
+  constexpr double kMaxDistance = 0.9;  // of the obstacle, relative to the floor point's
+  const double distance = floor_point.level.norm();
+  const double along = obstacle.level.dot(floor_point.level) / distance;
+  if (along <= 0 || along > kMaxDistance * distance) return false;
+  const double aside2 = obstacle.level.squaredNorm() - along * along;
+  const double ray_height = height_now_ * (1 - along / distance);  // where it passes the obstacle
+  return aside2 < std::pow(kMaxTangent * along, 2) && ray_height < obstacle.height;
+}
+
+/// Landmarks well above the floor, but for those that landmarks on the floor are seen through: matched wrongly.
+/// @param height of the camera over the floor of the map, whose unit may have drifted; 0: unknown
+void FloorPrior::FindObstacles(const KeyframeMap& map, const Pose& X_WC, double height,
+                               const std::vector<Eigen::Vector3d>& on_floor_W) {
   obstacles_.clear();
-  if (!height_) return;
+  height_now_ = height;
+  if (!(height > 0)) return;
+  std::vector<Standing> on_floor;
+  for (const Eigen::Vector3d& p_W : on_floor_W) on_floor.push_back(StandingAt(X_WC, p_W));
   // Relative to the camera's height; higher than drift of scale lifts a point of the floor.
   constexpr double kMinHeight = 0.25, kMaxDepthSigma = 0.1;
   constexpr size_t kMinObservations = 2;
+  constexpr int kMinSeenThrough = 2;
   for (const Landmark& landmark : map.landmarks()) {
     if (landmark.observations.size() < kMinObservations || !(landmark.rho_sigma < kMaxDepthSigma * landmark.rho))
       continue;
     const Eigen::Vector3d p_W = map.Position(landmark);
-    if (normal_W_.dot(p_W - X_WC.translation) + *height_ > kMinHeight * *height_) obstacles_.push_back(p_W);
+    const Standing obstacle = StandingAt(X_WC, p_W);
+    if (!(obstacle.height > kMinHeight * height)) continue;
+    const auto hidden =
+        std::count_if(on_floor.begin(), on_floor.end(), [&](const Standing& point) { return Hides(obstacle, point); });
+    if (hidden < kMinSeenThrough) obstacles_.push_back(p_W);
   }
 }
 
 bool FloorPrior::IsOccluded(const Pose& X_WC, const Eigen::Vector3d& floor_point_W) const {
-  const auto level = [&](const Eigen::Vector3d& p_W) -> Eigen::Vector3d {
-    const Eigen::Vector3d v = p_W - X_WC.translation;
-    return v - normal_W_.dot(v) * normal_W_;
-  };
-  const Eigen::Vector3d to_floor = level(floor_point_W);
-  const double distance = to_floor.norm();
-  constexpr double kMaxTangent = 0.1;   // of the horizontal angle between an obstacle and the floor point
-  constexpr double kMaxDistance = 0.9;  // of an obstacle, relative to the floor point's
-  constexpr int kMinObstacles = 3;      // one may be an outlier
+  const Standing floor_point = StandingAt(X_WC, floor_point_W);
+  constexpr int kMinObstacles = 3;  // one may be an outlier
   int count = 0;
   for (const Eigen::Vector3d& p_W : obstacles_) {
-    const Eigen::Vector3d v = level(p_W);
-    const double along = v.dot(to_floor) / distance;
-    if (along <= 0 || along > kMaxDistance * distance) continue;
-    const double aside = std::sqrt(std::max(0.0, v.squaredNorm() - along * along));
-    if (aside < kMaxTangent * along && ++count >= kMinObstacles) return true;
+    if (Hides(StandingAt(X_WC, p_W), floor_point) && ++count >= kMinObstacles) return true;
   }
   return false;
 }
@@ -150,7 +170,7 @@ std::optional<DepthPrior> FloorPrior::DepthAt(const Pose& X_WC, const Eigen::Vec
   const double rho = -normal_W_.dot(ray) / *height_, tilt = kTiltSigma_rad * ray.norm() / *height_;
   const double sigma = std::hypot(kHeightSigma * rho, tilt);
   constexpr double kMaxSigma = 0.25;  // relative; beyond it the feature is near the horizon
-  if (!(sigma < kMaxSigma * rho) || IsOccluded(X_WC, X_WC.translation + ray / rho)) return {};
+  if (!(sigma < kMaxSigma * rho) || IsOccluded(X_WC, X_WC.translation + height_now_ / *height_ / rho * ray)) return {};
   return DepthPrior{rho, sigma};
 }
 

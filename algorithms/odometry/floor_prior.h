@@ -42,7 +42,8 @@ class FloorPrior {
               const std::optional<CarriedHeight>& measured);
 
   /// Inverse depth of a feature if it lies on the floor. Nothing above or near the horizon, while no floor was found,
-  /// or where known landmarks stand before it: floor behind the foot of a wall cannot be seen.
+  /// or where three landmarks or more hide it: each stands on the floor and hides what lies behind it up to its own
+  /// height. Landmarks that the measured floor is seen through hide nothing: they were matched wrongly.
   /// @param xy normalised image coordinates
   std::optional<DepthPrior> DepthAt(const Pose& X_WC, const Eigen::Vector2d& xy) const;
 
@@ -57,11 +58,19 @@ class FloorPrior {
   const Eigen::Vector3d& normal() const { return normal_W_; }
 
  private:
-  void FindObstacles(const KeyframeMap& map, const Pose& X_WC);
+  struct Standing {
+    Eigen::Vector3d level;  ///< From the camera, along the floor.
+    double height = 0;      ///< Over the floor.
+  };
+  Standing StandingAt(const Pose& X_WC, const Eigen::Vector3d& p_W) const;
+  bool Hides(const Standing& obstacle, const Standing& floor_point) const;
+  void FindObstacles(const KeyframeMap& map, const Pose& X_WC, double height,
+                     const std::vector<Eigen::Vector3d>& on_floor_W);
   bool IsOccluded(const Pose& X_WC, const Eigen::Vector3d& floor_point_W) const;
 
   std::optional<double> height_;
-  int measurements_ = 0;                                ///< That `height_` is the mean of, where gravity is known.
+  double height_now_ = 0;  ///< Of the last update: what the map shrank by since `height_` was fixed is in it.
+  int measurements_ = 0;   ///< That `height_` is the mean of, where gravity is known.
   Eigen::Vector3d normal_W_ = Eigen::Vector3d::Zero();  ///< Up.
   std::vector<Eigen::Vector3d> obstacles_;              ///< Landmarks well above the floor, in W.
 };

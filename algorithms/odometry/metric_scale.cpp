@@ -21,7 +21,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A landmark, its depth as its observations alone have it.
 struct Candidate {
-  Eigen::Vector3d ray_W;  ///< r of equation 1.
+  Eigen::Vector3d ray_W;  ///< r of equation 1: from Carried::at_W.
   double rho = 0, sigma = 0;
 };
 
@@ -126,7 +126,9 @@ std::optional<CarriedHeight> MeasureCarriedHeight(const KeyframeMap& map, const 
   CarriedHeight result;
   result.normal_W = m->normalized();
   result.height = 1 / m->norm();
-  result.landmarks = int(inliers.size());
+  for (const int i : inliers) {
+    result.on_floor_W.emplace_back(carried.at_W + candidates[size_t(i)].ray_W / candidates[size_t(i)].rho);
+  }
   constexpr double kLeastSigma = 0.01;
   const double variance =
       result.normal_W.dot(information.ldlt().solve(result.normal_W)) * result.height * result.height;

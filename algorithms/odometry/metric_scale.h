@@ -29,7 +29,7 @@ struct CarriedHeight {
   double height = 0;                                    ///< Of Carried::at_W over the floor, in the map's unit.
   double relative_sigma = 0;                            ///< Standard deviation of its logarithm.
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< Of the floor, up; a unit vector.
-  int landmarks = 0;                                    ///< On the floor.
+  std::vector<Eigen::Vector3d> on_floor_W;              ///< The landmarks that it was measured by.
 };
 
 /// The lowest plane that is about level and that many landmarks of the latest keyframes lie on.

@@ -125,7 +125,7 @@ TEST(FloorPrior, BehindAWallsFootThereIsNoFloor) {
 
 /// What gravity and a measurement tell of a camera whose y axis points down.
 Carried LevelCamera() { return {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d::Zero()}; }
-CarriedHeight FloorBelow(double height) { return {height, 0.02, Eigen::Vector3d(0, -1, 0), 100}; }
+CarriedHeight FloorBelow(double height) { return {height, 0.02, Eigen::Vector3d(0, -1, 0), {}}; }
 
 TEST(FloorPriorWithGravity, TheMeanOfTheFirstMeasurementsIsTheHeightForGood) {
   const FloorMap floor;
@@ -159,6 +159,72 @@ TEST(FloorPriorWithGravity, ASlopeOfLandmarksDoesNotTiltTheFloor) {
   without_gravity.Update(floor.map, tilted, random);
   ASSERT_TRUE(without_gravity.height()) << "the landmarks do make a floor";
   EXPECT_GT(std::acos(std::min(1.0, without_gravity.normal().dot(carried.up_W))), 0.25);
+}
+
+/// Else a map that shrinks by a quarter loses what would hold it.
+TEST(FloorPriorWithGravity, AMapsOwnFloorDoesNotHideTheFloorWhenItsUnitDrifts) {
+  const FloorMap floor;
+  FloorPrior prior;
+  RandomStream random(6, "ransac");
+  prior.Update(floor.map, floor.last, random);
+  const double height = *prior.height();
+  prior.Clear();
+  for (int k = 0; k < 5; ++k) prior.Update(floor.map, floor.last, LevelCamera(), FloorBelow(1.6 * height));
+  prior.Update(floor.map, floor.last, LevelCamera(), FloorBelow(height));
+  const auto at = prior.DepthAt(floor.last, {0.1, 0.2});
+  ASSERT_TRUE(at);
+  EXPECT_NEAR(at->rho * 1.6 * height, 0.2, 1e-4) << "of the floor where it was at first; adjustment turned the camera";
+}
+
+/// A map in which three keyframes saw the points.
+KeyframeMap MapOf(const std::vector<Eigen::Vector3d>& points, Pose& last) {
+  const auto none = [](const Pose&, const Eigen::Vector2d&) { return std::optional<DepthPrior>(); };
+  KeyframeMap map{KeyframeMapOptions()};
+  for (const double x : {0.0, 0.3, 0.1}) {
+    FrameView view;
+    view.X_WC = last = Pose(Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0, 0));
+    std::vector<LandmarkMatch> matches;
+    for (int i = 0; i < int(points.size()); ++i) {
+      view.xy.push_back((view.X_WC.Inverse() * points[size_t(i)]).hnormalized());
+      view.sigma.push_back(0.0002);
+      if (x > 0) matches.push_back({i, i});
+    }
+    view.features.descriptors = cv::Mat::zeros(int(points.size()), 4, CV_32FC1);
+    map.AddKeyframe(view, matches, 1, none);
+  }
+  return map;
+}
+
+TEST(FloorPriorWithGravity, WhatStandsOnTheFloorHidesItAsFarAsItIsHigh) {
+  Pose last;
+  std::vector<Eigen::Vector3d> box;  // its front 1 away, 0.2 high, seen from 0.5
+  for (int i = 0; i < 30; ++i) box.emplace_back(0.01 * i, 0.3 + 0.002 * (i % 5), 1);
+  const KeyframeMap map = MapOf(box, last);
+  FloorPrior prior;
+  prior.Update(map, last, LevelCamera(), FloorBelow(0.5));
+  const double u = 0.15 - last.translation.x();
+  EXPECT_TRUE(prior.DepthAt(last, {u, 0.55})) << "0.9 away, before it";
+  EXPECT_FALSE(prior.DepthAt(last, {u, 0.4})) << "1.25 away, behind it";
+  EXPECT_TRUE(prior.DepthAt(last, {u, 0.25})) << "2 away, seen over it";
+}
+
+/// Blur and repeated texture make landmarks in mid-air.
+TEST(FloorPriorWithGravity, WhatTheFloorIsSeenThroughDoesNotHideIt) {
+  Pose last;
+  std::vector<Eigen::Vector3d> in_mid_air;
+  for (int i = 0; i < 30; ++i) in_mid_air.emplace_back(0.01 * i, 0.1 + 0.002 * (i % 5), 1);
+  const KeyframeMap map = MapOf(in_mid_air, last);
+  const double u = 0.15 - last.translation.x();
+  CarriedHeight measured = FloorBelow(0.5);
+  FloorPrior prior;
+  prior.Update(map, last, LevelCamera(), measured);
+  EXPECT_FALSE(prior.DepthAt(last, {u, 0.2})) << "2.5 away, behind them";
+  for (int i = 0; i < 6; ++i) {
+    const double z = 2 + 0.1 * i;
+    measured.on_floor_W.push_back(last.translation + Eigen::Vector3d(u * z, 0.5, z));
+  }
+  prior.Update(map, last, LevelCamera(), measured);
+  EXPECT_TRUE(prior.DepthAt(last, {u, 0.2}));
 }
 
 }  // namespace

@@ -88,7 +88,10 @@ TEST(MeasureCarriedHeight, IsTheHeightOverTheFloorAmongWallPoints) {
   ASSERT_TRUE(measured);
   EXPECT_NEAR(measured->height * walked.MetresPerUnit(), kHeight_m, 0.01 * kHeight_m);
   EXPECT_LT(measured->relative_sigma, 0.03);
-  EXPECT_GT(measured->landmarks, 100);
+  EXPECT_GT(measured->on_floor_W.size(), 100u);
+  const Eigen::Vector3d at_W = walked.AsCarried().at_W;
+  for (const Eigen::Vector3d& p_W : measured->on_floor_W)
+    EXPECT_NEAR((p_W - at_W).z() * walked.MetresPerUnit(), -kHeight_m, 0.2 * kHeight_m) << "3 sigmas of a far one";
 }
 
 TEST(MeasureCarriedHeight, DoesNotConfirmWhatTheMapWasTold) {
@@ -121,7 +124,7 @@ TEST(MeasureCarriedHeight, AWallIsNoFloorAndATableIsNone) {
   EXPECT_TRUE(!measured || measured->height * walked.MetresPerUnit() > 0.9 * kHeight_m);
 }
 
-CarriedHeight Measured(double height) { return {height, 0.02, kUp, 100}; }
+CarriedHeight Measured(double height) { return {height, 0.02, kUp, {}}; }
 
 TEST(MetricScale, IsUnknownUntilMeasuredAndThenKnownBackwards) {
   MetricScale scale(kHeight_m);
