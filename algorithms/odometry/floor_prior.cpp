@@ -106,7 +106,7 @@ void FloorPrior::Update(const KeyframeMap& map, const Pose& X_WC, const Carried&
     ++measurements_;
     height_ = before + (measured->height - before) / measurements_;
   }
-  if (measured) return FindObstacles(map, X_WC, measured->height, measured->on_floor_W);
+  if (measured) return FindObstacles(map, X_WC, measured->height, measured->seen_on_floor_W);
   FindObstacles(map, X_WC, height_.value_or(0), {});
 }
 
@@ -132,12 +132,12 @@ bool FloorPrior::Hides(const Standing& obstacle, const Standing& floor_point) co
 /// Landmarks well above the floor, but for those that landmarks on the floor are seen through: matched wrongly.
 /// @param height of the camera over the floor of the map, whose unit may have drifted; 0: unknown
 void FloorPrior::FindObstacles(const KeyframeMap& map, const Pose& X_WC, double height,
-                               const std::vector<Eigen::Vector3d>& on_floor_W) {
+                               const std::vector<Eigen::Vector3d>& seen_on_floor_W) {
   obstacles_.clear();
   height_now_ = height;
   if (!(height > 0)) return;
-  std::vector<Standing> on_floor;
-  for (const Eigen::Vector3d& p_W : on_floor_W) on_floor.push_back(StandingAt(X_WC, p_W));
+  std::vector<Standing> seen_on_floor;
+  for (const Eigen::Vector3d& p_W : seen_on_floor_W) seen_on_floor.push_back(StandingAt(X_WC, p_W));
   // Relative to the camera's height; higher than drift of scale lifts a point of the floor.
   constexpr double kMinHeight = 0.25, kMaxDepthSigma = 0.1;
   constexpr size_t kMinObservations = 2;
@@ -148,8 +148,8 @@ void FloorPrior::FindObstacles(const KeyframeMap& map, const Pose& X_WC, double 
     const Eigen::Vector3d p_W = map.Position(landmark);
     const Standing obstacle = StandingAt(X_WC, p_W);
     if (!(obstacle.height > kMinHeight * height)) continue;
-    const auto hidden =
-        std::count_if(on_floor.begin(), on_floor.end(), [&](const Standing& point) { return Hides(obstacle, point); });
+    const auto hidden = std::count_if(seen_on_floor.begin(), seen_on_floor.end(),
+                                      [&](const Standing& point) { return Hides(obstacle, point); });
     if (hidden < kMinSeenThrough) obstacles_.push_back(p_W);
   }
 }

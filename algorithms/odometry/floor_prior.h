@@ -65,7 +65,7 @@ class FloorPrior {
   Standing StandingAt(const Pose& X_WC, const Eigen::Vector3d& p_W) const;
   bool Hides(const Standing& obstacle, const Standing& floor_point) const;
   void FindObstacles(const KeyframeMap& map, const Pose& X_WC, double height,
-                     const std::vector<Eigen::Vector3d>& on_floor_W);
+                     const std::vector<Eigen::Vector3d>& seen_on_floor_W);
   bool IsOccluded(const Pose& X_WC, const Eigen::Vector3d& floor_point_W) const;
 
   std::optional<double> height_;

@@ -23,6 +23,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct Candidate {
   Eigen::Vector3d ray_W;  ///< r of equation 1: from Carried::at_W.
   double rho = 0, sigma = 0;
+  bool is_seen_now = false;  ///< By the latest keyframe.
 };
 
 std::vector<Candidate> CandidatesOf(const KeyframeMap& map, const Carried& carried) {
@@ -41,6 +42,7 @@ std::vector<Candidate> CandidatesOf(const KeyframeMap& map, const Carried& carri
     candidate.ray_W = anchor.rotation * landmark.ray.homogeneous();
     candidate.rho = landmark.rho + weight * prior / seen * off;
     candidate.sigma = 1 / std::sqrt(seen);
+    candidate.is_seen_now = landmark.last_keyframe == newest;
     candidate.ray_W += candidate.rho * (anchor.translation - carried.at_W);
     const bool below = -up_W.dot(candidate.ray_W) > kMinDescent * candidate.ray_W.norm();
     if (below && candidate.sigma < kMaxDepthSigma * candidate.rho) candidates.push_back(candidate);
@@ -127,7 +129,8 @@ std::optional<CarriedHeight> MeasureCarriedHeight(const KeyframeMap& map, const 
   result.normal_W = m->normalized();
   result.height = 1 / m->norm();
   for (const int i : inliers) {
-    result.on_floor_W.emplace_back(carried.at_W + candidates[size_t(i)].ray_W / candidates[size_t(i)].rho);
+    const Candidate& candidate = candidates[size_t(i)];
+    if (candidate.is_seen_now) result.seen_on_floor_W.emplace_back(carried.at_W + candidate.ray_W / candidate.rho);
   }
   constexpr double kLeastSigma = 0.01;
   const double variance =

@@ -29,7 +29,7 @@ struct CarriedHeight {
   double height = 0;                                    ///< Of Carried::at_W over the floor, in the map's unit.
   double relative_sigma = 0;                            ///< Standard deviation of its logarithm.
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< Of the floor, up; a unit vector.
-  std::vector<Eigen::Vector3d> on_floor_W;              ///< The landmarks that it was measured by.
+  std::vector<Eigen::Vector3d> seen_on_floor_W;  ///< Landmarks that it was measured by and the latest keyframe sees.
 };
 
 /// The lowest plane that is about level and that many landmarks of the latest keyframes lie on.

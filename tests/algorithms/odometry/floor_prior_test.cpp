@@ -221,7 +221,7 @@ TEST(FloorPriorWithGravity, WhatTheFloorIsSeenThroughDoesNotHideIt) {
   EXPECT_FALSE(prior.DepthAt(last, {u, 0.2})) << "2.5 away, behind them";
   for (int i = 0; i < 6; ++i) {
     const double z = 2 + 0.1 * i;
-    measured.on_floor_W.push_back(last.translation + Eigen::Vector3d(u * z, 0.5, z));
+    measured.seen_on_floor_W.push_back(last.translation + Eigen::Vector3d(u * z, 0.5, z));
   }
   prior.Update(map, last, LevelCamera(), measured);
   EXPECT_TRUE(prior.DepthAt(last, {u, 0.2}));

@@ -88,9 +88,9 @@ TEST(MeasureCarriedHeight, IsTheHeightOverTheFloorAmongWallPoints) {
   ASSERT_TRUE(measured);
   EXPECT_NEAR(measured->height * walked.MetresPerUnit(), kHeight_m, 0.01 * kHeight_m);
   EXPECT_LT(measured->relative_sigma, 0.03);
-  EXPECT_GT(measured->on_floor_W.size(), 100u);
+  EXPECT_GT(measured->seen_on_floor_W.size(), 100u);
   const Eigen::Vector3d at_W = walked.AsCarried().at_W;
-  for (const Eigen::Vector3d& p_W : measured->on_floor_W)
+  for (const Eigen::Vector3d& p_W : measured->seen_on_floor_W)
     EXPECT_NEAR((p_W - at_W).z() * walked.MetresPerUnit(), -kHeight_m, 0.2 * kHeight_m) << "3 sigmas of a far one";
 }
 
