@@ -90,8 +90,11 @@ TEST(MeasureCarriedHeight, IsTheHeightOverTheFloorAmongWallPoints) {
   EXPECT_LT(measured->relative_sigma, 0.03);
   EXPECT_GT(measured->seen_on_floor_W.size(), 100u);
   const Eigen::Vector3d at_W = walked.AsCarried().at_W;
-  for (const Eigen::Vector3d& p_W : measured->seen_on_floor_W)
+  const Pose X_CW = walked.map().keyframes().back().Inverse();
+  for (const Eigen::Vector3d& p_W : measured->seen_on_floor_W) {
     EXPECT_NEAR((p_W - at_W).z() * walked.MetresPerUnit(), -kHeight_m, 0.2 * kHeight_m) << "3 sigmas of a far one";
+    EXPECT_LT((X_CW * p_W).hnormalized().norm(), 0.62) << "out of view: 0.6 and noise";
+  }
 }
 
 TEST(MeasureCarriedHeight, DoesNotConfirmWhatTheMapWasTold) {
