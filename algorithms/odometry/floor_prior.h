@@ -69,7 +69,7 @@ class FloorPrior {
   bool IsOccluded(const Pose& X_WC, const Eigen::Vector3d& floor_point_W) const;
 
   std::optional<double> height_;
-  double height_now_ = 0;  ///< Of the last update: what the map shrank by since `height_` was fixed is in it.
+  double height_now_ = 0;  ///< The camera's height at the last update, in the map's unit, which drifts; 0: unknown.
   int measurements_ = 0;   ///< That `height_` is the mean of, where gravity is known.
   Eigen::Vector3d normal_W_ = Eigen::Vector3d::Zero();  ///< Up.
   std::vector<Eigen::Vector3d> obstacles_;              ///< Landmarks well above the floor, in W.
