@@ -209,7 +209,7 @@ TEST_P(Kills, WhileTheClockIsSetBack) {
   EXPECT_EQ(place.Run("GAITCAM_CLOCK_HIT=" + hit.string() + " LD_PRELOAD=" + CLOCK_BACK),
             WhereNothingHappened().exit_code);
   EXPECT_EQ(Changed(WhereNothingHappened().files, place.Files()), "");
-  if (verb().name == "study") EXPECT_TRUE(fs::exists(hit)) << "the cache looks at the clock";
+  EXPECT_TRUE(fs::exists(hit) || verb().name != "study") << "the cache looks at the clock";
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Kills, testing::Range(0, int(KilledVerbs().size())),

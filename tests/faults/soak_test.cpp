@@ -1,0 +1,148 @@
+// Programs that work for long hold no more at the end than early on: memory, open files, processes, temporary files.
+//
+// GAITCAM_LONG_TESTS=1: a walk of GAITCAM_SOAK_LAPS (69, two hours) and a study of GAITCAM_SOAK_RUNS (10,000) runs.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "scenarios/code/systems/process_list.h"
+#include "tests/faults/inputs.h"
+#include "tests/scenarios/program.h"
+#include "tests/temporary_folder.h"
+
+namespace gaitcam {
+namespace {
+
+/// What a program holds at one moment.
+struct Held {
+  double memory_mb = 0;  ///< Its own.
+  int descriptors = 0;   ///< Its own.
+  int processes = 0;     ///< It and all that it started.
+  int temporary = 0;     ///< Files in the folder for temporary files.
+};
+
+int CountIn(const fs::path& folder) {
+  std::error_code ended;
+  int count = 0;
+  for (fs::recursive_directory_iterator item(folder, ended), end; item != end && !ended; item.increment(ended)) ++count;
+  return count;
+}
+
+/// In the environment of all that a test starts: orphans are found by it.
+std::string Mark() { return "GAITCAM_SOAK_OF=" + std::to_string(getpid()); }
+
+Held LookAt(pid_t pid, const fs::path& temporary) {
+  Held held;
+  held.memory_mb = double(PrivateMemory_bytes(pid)) / 1e6;
+  held.descriptors = CountIn("/proc/" + std::to_string(pid) + "/fd");
+  held.processes = int(Family(pid, Mark()).size());
+  held.temporary = CountIn(temporary);
+  return held;
+}
+
+struct Soaked {
+  int exit_code = -1;
+  std::vector<Held> looks;  ///< At equal intervals, while it worked.
+};
+
+/// Runs the program, and looks at it until it ends.
+Soaked Soak(const std::string& arguments, const fs::path& folder, std::chrono::milliseconds interval) {
+  fs::create_directory(folder / "tmp");
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::string command = "cd " + folder.string() + " && TMPDIR=$PWD/tmp " + Mark() +
+                                " GAITCAM_DATA=" + TestData().string() + " exec " + Program() + " -q " + arguments +
+                                " >said.txt 2>&1";
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+  }
+  Soaked soaked;
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    const Held held = LookAt(child, folder / "tmp");
+    if (held.descriptors > 0) soaked.looks.push_back(held);  // else it has just ended
+    std::this_thread::sleep_for(interval);
+  }
+  soaked.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return soaked;
+}
+
+/// The median of each in one of four equal parts of the time.
+Held InQuarter(const std::vector<Held>& looks, int quarter) {
+  const size_t begin = looks.size() * size_t(quarter) / 4, end = looks.size() * size_t(quarter + 1) / 4;
+  const auto median = [&](auto Held::*what) {
+    std::vector<double> values;
+    for (size_t i = begin; i < end; ++i) values.push_back(double(looks[i].*what));
+    std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+    return values[values.size() / 2];
+  };
+  return {median(&Held::memory_mb), int(median(&Held::descriptors)), int(median(&Held::processes)),
+          int(median(&Held::temporary))};
+}
+
+/// That the last quarter holds no more than the second. @param growth_mb of memory that is permitted
+void ExpectFlat(const Soaked& soaked, double growth_mb) {
+  ASSERT_GE(soaked.looks.size(), 20U) << "it ended too soon to tell";
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const Held held = InQuarter(soaked.looks, quarter);
+    std::printf("quarter %d: %.1f MB, %d descriptors, %d processes, %d temporary files\n", quarter + 1, held.memory_mb,
+                held.descriptors, held.processes, held.temporary);
+  }
+  const Held early = InQuarter(soaked.looks, 1), late = InQuarter(soaked.looks, 3);
+  EXPECT_LE(late.memory_mb, early.memory_mb + growth_mb);
+  EXPECT_LE(late.descriptors, early.descriptors);
+  EXPECT_LE(late.processes, early.processes);
+  EXPECT_LE(late.temporary, early.temporary);
+}
+
+bool IsLong() { return std::getenv("GAITCAM_LONG_TESTS") != nullptr; }
+
+/// @param name of a variable of the environment; @param otherwise where it is not set
+int Wanted(const char* name, int otherwise) {
+  const char* text = std::getenv(name);
+  return text != nullptr ? std::atoi(text) : otherwise;
+}
+
+TEST(SoakTest, AWalkOfHoursHoldsNoMoreAtItsEnd) {
+  const TemporaryFolder folder;
+  const int laps = Wanted("GAITCAM_SOAK_LAPS", 69);
+  folder.Write("walk.yaml", "robot: khr1hv\nscene: lab\nduration_s: " + std::string(IsLong() ? "0" : "8") +
+                                "\npath: {kind: circle, diameter_m: 4, laps: " + std::to_string(laps) +
+                                "}\n"
+                                "camera: {width_px: 160, height_px: 120, rate_hz: 2, exposure_ms: 5,\n"
+                                "  fixed_subframes: 1}\n"
+                                "video: {enabled: false}\nsystem: sift_vo\nscore: {min_pairs: 3}\n");
+  const Soaked soaked =
+      Soak("run walk.yaml --out walk", folder.path(), std::chrono::milliseconds(IsLong() ? 2000 : 40));
+  EXPECT_THAT(soaked.exit_code, testing::AnyOf(0, 3)) << ReadText(folder.path() / "said.txt");
+  // What is known of each frame, and the truth, stay in memory until they are scored: some 5 kB a second.
+  ExpectFlat(soaked, 40);  // what is held to write the results with, too
+}
+
+TEST(SoakTest, AStudyOfManyRunsHoldsNoMoreAtItsEnd) {
+  const TemporaryFolder folder;
+  WriteInputs(folder.path());
+  const int runs = IsLong() ? Wanted("GAITCAM_SOAK_RUNS", 10000) : 8;
+  folder.Write("many.yaml",
+               "base: walk.yaml\nset: {duration_s: 0.4, scene: plain, camera.fixed_subframes: 1, score.min_pairs: 3}\n"
+               "axes: {camera.exposure_ms: [2]}\nseeds: " +
+                   std::to_string(runs) + "\nmetrics: [coverage_ratio]\n");
+  const Soaked soaked = Soak("study many.yaml --out study --cache cache -j 2", folder.path(),
+                             std::chrono::milliseconds(IsLong() ? 1000 : 40));
+  EXPECT_EQ(soaked.exit_code, 0) << ReadText(folder.path() / "said.txt");
+  ExpectFlat(soaked, 2e-3 * runs + 2);  // a line of scores stays of each run: 2 kB
+  EXPECT_EQ(CountIn(folder.path() / "tmp"), 0);
+  EXPECT_THAT(Marked(Mark()), testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace gaitcam
