@@ -15,8 +15,9 @@ namespace {
 
 constexpr double kMinDepth = 1e-6;  // of h.z: rays nearly at right angles to the optical axis have no image
 
-Eigen::Matrix2d Covariance(const InverseDepthSighting& sighting, const Eigen::Vector2d& d_rho) {
-  const double variance = sighting.point.rho_sigma * sighting.point.rho_sigma;
+/// @param guesses points whose guessed depths share one error: the variance of each is so many times its own
+Eigen::Matrix2d Covariance(const InverseDepthSighting& sighting, const Eigen::Vector2d& d_rho, double guesses = 1) {
+  const double variance = (sighting.point.is_guess ? guesses : 1) * sighting.point.rho_sigma * sighting.point.rho_sigma;
   const double image = sighting.sigma * sighting.sigma + sighting.point.xy_sigma * sighting.point.xy_sigma;
   return image * Eigen::Matrix2d::Identity() + variance * d_rho * d_rho.transpose();
 }
@@ -130,6 +131,8 @@ double Mahalanobis2(const InverseDepthSighting& sighting, const Pose& X_WC) {
 Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
                 double huber, const std::optional<PositionPrior>& prior) {
   Pose pose = X_WC;
+  const auto guesses =
+      std::count_if(use.begin(), use.end(), [&](int i) { return sightings[size_t(i)].point.is_guess; });
   constexpr int kMaxSteps = 10;
   constexpr double kConverged = 1e-6, kMaxTurn = 0.5;  // rad; the linearisation holds no further
   std::vector<AnchoredPoint> points;
@@ -143,7 +146,7 @@ Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::v
       const InverseDepthSighting& sighting = sightings[size_t(use[k])];
       const auto sight = camera.See(points[k]);
       if (!sight) continue;
-      const Eigen::Matrix2d information = Covariance(sighting, sight->d_rho).inverse();
+      const Eigen::Matrix2d information = Covariance(sighting, sight->d_rho, double(guesses)).inverse();
       const Eigen::Vector2d e = sight->xy - sighting.xy;
       const double distance = std::sqrt(e.dot(information * e));
       const double weight = distance > huber ? huber / distance : 1.0;

@@ -24,6 +24,7 @@ struct InverseDepthPoint {
   double xy_sigma = 0;                           ///< Standard deviation of each coordinate of `xy`.
   double rho = 0;                                ///< Inverse depth, 1 over the world's unit.
   double rho_sigma = 0;                          ///< Its standard deviation.
+  bool is_guess = false;                         ///< `rho` is assumed, alike for many points; its error is theirs, too.
 };
 
 /// An observation of a landmark.
@@ -104,7 +105,8 @@ struct PositionPrior {
 };
 
 /// Maximum likelihood of the camera's pose by Gauss-Newton, Huber's weights beyond `huber` standard deviations. Points
-/// of unknown depth constrain the rotation only.
+/// of unknown depth constrain the rotation only. Guessed depths share one error, so that all of them together say as
+/// much of how far the camera moved as one would.
 /// @param use   indices into `sightings`
 /// @param prior counts as one more measurement
 /// @returns the pose, or `X_WC` itself where the problem is singular. Never NaN.

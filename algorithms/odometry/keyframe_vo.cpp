@@ -16,6 +16,7 @@
 #include "algorithms/odometry/floor_prior.h"
 #include "algorithms/odometry/frame_records.h"
 #include "algorithms/odometry/keyframe_map.h"
+#include "algorithms/odometry/mean_velocity.h"
 #include "algorithms/odometry/metric_scale.h"
 
 namespace gaitcam {
@@ -117,7 +118,8 @@ class KeyframeVo::Tracker {
     return [this](const Pose& X_WC, const Eigen::Vector2d& xy) { return floor_.DepthAt(X_WC, xy); };
   }
   PositionPrior PredictPosition(int64_t stamp_ns) const {
-    return localizer_.PredictPosition(last_->pose.translation, stamp_ns - last_->stamp_ns, median_depth_);
+    const int64_t apart_ns = stamp_ns - last_->stamp_ns;
+    return localizer_.PredictPosition(last_->pose.translation + velocity_.Advance(apart_ns), apart_ns, median_depth_);
   }
 
   std::optional<Eigen::Vector3d> UpNow() const { return metric_ ? std::optional(metric_->up_C.up_C()) : std::nullopt; }
@@ -160,6 +162,7 @@ class KeyframeVo::Tracker {
 
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int matches_ = 0;                     ///< Likewise; 0 where there was no map yet.
+  MeanVelocity velocity_;               ///< In the present map.
   std::optional<StampedPose> last_;     ///< The last known pose, over all maps.
   Pose expected_;                       ///< The same, or a later prediction of a frame without a map.
   double median_depth_ = 1;             ///< In the last keyframe; the unit when a map is initialised.
@@ -202,6 +205,8 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   }
   answer.pose = view.X_WC;
   last_ = {answer.stamp_ns, view.X_WC};
+  if (!had_map || answer.restarted) velocity_.Reset();
+  velocity_.Add(*last_);
   expected_ = view.X_WC;
   return answer;
 }

@@ -3,6 +3,7 @@
 ///
 /// Composed of
 /// - MapInitializer: the first two keyframes (thesis 5.4, steps 2 to 5);
+/// - MeanVelocity: where the camera will be, but for its swaying;
 /// - LandmarkLocalizer: a frame's pose from landmarks near a prediction, or anywhere (relocalisation);
 /// - KeyframePolicy: which frame becomes a keyframe;
 /// - KeyframeMap: landmarks, keyframes, windowed bundle adjustment;
@@ -13,7 +14,7 @@
 /// What it adds to the thesis's odometry (two_view_vo.h): a walking camera at 30 Hz moves by millimetres between
 /// frames, which leaves the direction of motion to noise; landmarks that live over many keyframes have a baseline.
 ///
-/// No loop closure, and no motion model but a camera that stays about where it was. The world frame W is the reference
+/// No loop closure, and no motion model but a camera that goes on about as it did. The world frame W is the reference
 /// frame's of the first map. The map's own unit is the median depth there. Where the calibration says how high the
 /// camera stands, poses are handed over in metres nevertheless: each motion is multiplied by what is known of the unit
 /// by then, so that a better estimate of it makes no jump.

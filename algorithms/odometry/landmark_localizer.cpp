@@ -16,7 +16,10 @@ double RatioNearby(double ratio) { return 0.5 + 0.5 * ratio; }
 InverseDepthSighting SightingOf(const KeyframeMap& map, const FrameView& view, const LandmarkMatch& match,
                                 double noise) {
   const size_t i = size_t(match.feature);
-  return {map.Point(map.landmarks()[size_t(match.landmark)]), view.xy[i], noise * view.sigma[i]};
+  const Landmark& landmark = map.landmarks()[size_t(match.landmark)];
+  InverseDepthSighting sighting = {map.Point(landmark), view.xy[i], noise * view.sigma[i]};
+  sighting.point.is_guess = !landmark.has_depth_prior && landmark.observations.empty();
+  return sighting;
 }
 
 }  // namespace

@@ -65,7 +65,8 @@ class LandmarkLocalizer {
   LandmarkLocalizer(double focal_px, double ratio, const LandmarkLocalizerOptions& options)
       : focal_px_(focal_px), ratio_(ratio), options_(options) {}
 
-  /// The position after `apart_ns`: unchanged, with a standard deviation of usual_speed times the time.
+  /// @param position_W where the camera is expected to be `apart_ns` after it was seen last
+  /// @returns it with a standard deviation of usual_speed times the time.
   PositionPrior PredictPosition(const Eigen::Vector3d& position_W, int64_t apart_ns, double median_depth) const {
     return {position_W, options_.usual_speed * median_depth * double(apart_ns) * 1e-9};
   }

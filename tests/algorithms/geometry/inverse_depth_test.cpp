@@ -80,5 +80,20 @@ TEST(RefinePose, GoodSightingsOutvoteAWrongPrior) {
   EXPECT_LT((found.translation - C.translation).norm(), 0.01);  // some sigma / sqrt(200) of points 2 away
 }
 
+/// A camera that has just turned to a wall: most points are new, and their depth is assumed.
+TEST(RefinePose, AssumedDepthsTogetherCountAsOne) {
+  const Pose C(Turned(), {0.08, 0, 0.06});
+  std::vector<InverseDepthSighting> sightings = Sightings(C, 250, 0);
+  std::vector<int> all;
+  for (int i = 0; i < 250; ++i) all.push_back(i);
+  for (size_t i = 25; i < 250; ++i) {
+    sightings[i].point.rho = sightings[i].point.rho_sigma = 3;  // three to twelve times too near
+    sightings[i].point.is_guess = true;
+  }
+  const Eigen::Vector3d expected = 0.7 * C.translation;
+  const Pose found = RefinePose(sightings, all, Pose(Turned(), expected), 2, PositionPrior{expected, 0.1});
+  EXPECT_LT((found.translation - C.translation).norm(), 0.01);  // a tenth; sigma / sqrt(25) of points 2 away: 0.001
+}
+
 }  // namespace
 }  // namespace gaitcam
