@@ -124,8 +124,9 @@ TEST(SoakTest, AWalkOfHoursHoldsNoMoreAtItsEnd) {
   const Soaked soaked =
       Soak("run walk.yaml --out walk", folder.path(), std::chrono::milliseconds(IsLong() ? 2000 : 40));
   EXPECT_THAT(soaked.exit_code, testing::AnyOf(0, 3)) << ReadText(folder.path() / "said.txt");
-  // What is known of each frame, and the truth, stay in memory until they are scored: some 5 kB a second.
-  ExpectFlat(soaked, 40);  // what is held to write the results with, too
+  // What is known of each frame stays in memory until it is scored, 3.6 kB of it: 26 MB in half of two hours, and as
+  // much again while a vector grows. A short walk ends too soon to tell more than that nothing large stays.
+  ExpectFlat(soaked, 60);
 }
 
 TEST(SoakTest, AStudyOfManyRunsHoldsNoMoreAtItsEnd) {
