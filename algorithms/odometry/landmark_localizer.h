@@ -30,7 +30,7 @@ struct LandmarkLocalizerOptions {
   double search_deg = 10;           ///< Radius around its prediction in which a landmark is searched for first.
   double outlier_sigmas = 3.0;      ///< Largest Mahalanobis distance of an inlier.
   double retry_noise_factor = 2.5;  ///< The second attempt multiplies the features' standard deviations by this.
-  double usual_speed = 0.6;         ///< Median depths per second: standard deviation of the camera's velocity per axis.
+  double usual_speed = 0.6;         ///< Median depths per second: standard deviation of the expected velocity per axis.
   int min_inliers = 15;             ///< With fewer a frame has no pose.
 };
 
