@@ -24,7 +24,7 @@ struct InverseDepthPoint {
   double xy_sigma = 0;                           ///< Standard deviation of each coordinate of `xy`.
   double rho = 0;                                ///< Inverse depth, 1 over the world's unit.
   double rho_sigma = 0;                          ///< Its standard deviation.
-  bool is_guess = false;                         ///< `rho` is assumed, alike for many points; its error is theirs, too.
+  bool is_guess = false;                         ///< `rho` is assumed, one value for many points: one common error.
 };
 
 /// An observation of a landmark.

@@ -4,7 +4,7 @@
 /// A prior of the next position that is centred on the last one says that the camera stands still. Where landmarks tell
 /// the length of a step badly, as when a wall whose depth is not known yet fills the view, each step then comes out a
 /// little too short, new landmarks get their depths by these steps, and the map's unit shrinks for good. A prior
-/// centred on where the camera will be has no such drift.
+/// centred on where the camera will probably be is not biased so.
 
 #pragma once
 

@@ -77,7 +77,7 @@ class InjectedFaults : public testing::TestWithParam<std::tuple<int, std::string
 };
 
 TEST_P(InjectedFaults, EndInOneLineAndLeaveNothingHalfWritten) {
-  if (verb().is_long && std::getenv("GAITCAM_LONG_TESTS") == nullptr) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";
+  if (verb().is_long && !IsLongPart()) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";
   const TemporaryFolder temporary;
   WriteInputs(temporary.path());
   const ProgramResult undisturbed = RunProgram("-q " + verb().arguments, temporary.path());

@@ -1,14 +1,19 @@
-/// What the programs under attack are given to read, and what they leave.
+/// How the programs under attack are started, what they are given to read, and what they leave.
 
 #pragma once
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
 
+#include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
 
 namespace gaitcam {
@@ -39,6 +44,25 @@ inline void WriteInputs(const fs::path& folder) {
                                           "     score.min_pairs: 3}}\nsystems: [stereo_vo]\nseeds: 7\n"
                                           "metrics:\n  - {name: rpe_rot_rmse_deg_1f, margin: 0.05}\n";
 }
+
+/// Whether what takes hours is wanted, too.
+inline bool IsLongPart() { return std::getenv("GAITCAM_LONG_TESTS") != nullptr; }
+
+/// Starts the program in a folder with a folder `tmp` in it, for its temporary files.
+/// @param variables of its environment: "NAME=VALUE ..."
+/// @param said a file in the folder, for what it prints
+inline pid_t StartProgram(const fs::path& folder, const std::string& arguments, const std::string& variables = "",
+                          const std::string& said = "/dev/null") {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  const std::string command = "cd " + folder.string() + " && TMPDIR=$PWD/tmp GAITCAM_DATA=" + TestData().string() +
+                              " " + variables + " exec " + Program() + " -q " + arguments + " >" + said + " 2>&1";
+  execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+  _exit(127);
+}
+
+/// @param status as waitpid gives it. @returns as a shell tells it: beyond 128 is a signal.
+inline int ExitCode(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
 /// Every file below a folder that a user would see, with what is in it; hidden ones by name alone.
 inline std::map<std::string, std::string> FilesBelow(const fs::path& folder) {

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -46,8 +45,6 @@ const std::vector<KilledVerb>& KilledVerbs() {
   return verbs;
 }
 
-bool IsLongPart() { return std::getenv("GAITCAM_LONG_TESTS") != nullptr; }
-
 /// Without what the clock and the machine's memory have their say in, and what a program says while it works.
 std::map<std::string, std::string> WhatStays(const fs::path& folder) {
   std::map<std::string, std::string> files = FilesBelow(folder);
@@ -80,19 +77,12 @@ class Workplace {
 
   /// @param variables of its environment: "NAME=VALUE ..."
   pid_t Start(const std::string& variables = "") const {
-    const pid_t child = fork();
-    if (child != 0) return child;
-    const std::string command = "cd " + folder_.path().string() +
-                                " && TMPDIR=$PWD/tmp GAITCAM_DATA=" + TestData().string() + " " + variables + " exec " +
-                                Program() + " -q " + verb_.arguments + " >/dev/null 2>&1";
-    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-    _exit(127);
+    return StartProgram(folder_.path(), verb_.arguments, variables);
   }
-  /// @returns as a shell tells it: beyond 128 is a signal.
   static int Wait(pid_t child) {
     int status = 0;
     waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return ExitCode(status);
   }
   int Run(const std::string& variables = "") const { return Wait(Start(variables)); }
 

@@ -57,14 +57,7 @@ struct Soaked {
 /// Runs the program, and looks at it until it ends.
 Soaked Soak(const std::string& arguments, const fs::path& folder, std::chrono::milliseconds interval) {
   fs::create_directory(folder / "tmp");
-  const pid_t child = fork();
-  if (child == 0) {
-    const std::string command = "cd " + folder.string() + " && TMPDIR=$PWD/tmp " + Mark() +
-                                " GAITCAM_DATA=" + TestData().string() + " exec " + Program() + " -q " + arguments +
-                                " >said.txt 2>&1";
-    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-    _exit(127);
-  }
+  const pid_t child = StartProgram(folder, arguments, Mark(), "said.txt");
   Soaked soaked;
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
@@ -72,7 +65,7 @@ Soaked Soak(const std::string& arguments, const fs::path& folder, std::chrono::m
     if (held.descriptors > 0) soaked.looks.push_back(held);  // else it has just ended
     std::this_thread::sleep_for(interval);
   }
-  soaked.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  soaked.exit_code = ExitCode(status);
   return soaked;
 }
 
@@ -104,8 +97,6 @@ void ExpectFlat(const Soaked& soaked, double growth_mb) {
   EXPECT_LE(late.temporary, early.temporary);
 }
 
-bool IsLong() { return std::getenv("GAITCAM_LONG_TESTS") != nullptr; }
-
 /// @param name of a variable of the environment; @param otherwise where it is not set
 int Wanted(const char* name, int otherwise) {
   const char* text = std::getenv(name);
@@ -115,14 +106,14 @@ int Wanted(const char* name, int otherwise) {
 TEST(SoakTest, AWalkOfHoursHoldsNoMoreAtItsEnd) {
   const TemporaryFolder folder;
   const int laps = Wanted("GAITCAM_SOAK_LAPS", 69);
-  folder.Write("walk.yaml", "robot: khr1hv\nscene: lab\nduration_s: " + std::string(IsLong() ? "0" : "8") +
+  folder.Write("walk.yaml", "robot: khr1hv\nscene: lab\nduration_s: " + std::string(IsLongPart() ? "0" : "8") +
                                 "\npath: {kind: circle, diameter_m: 4, laps: " + std::to_string(laps) +
                                 "}\n"
                                 "camera: {width_px: 160, height_px: 120, rate_hz: 2, exposure_ms: 5,\n"
                                 "  fixed_subframes: 1}\n"
                                 "video: {enabled: false}\nsystem: sift_vo\nscore: {min_pairs: 3}\n");
   const Soaked soaked =
-      Soak("run walk.yaml --out walk", folder.path(), std::chrono::milliseconds(IsLong() ? 2000 : 40));
+      Soak("run walk.yaml --out walk", folder.path(), std::chrono::milliseconds(IsLongPart() ? 2000 : 40));
   EXPECT_THAT(soaked.exit_code, testing::AnyOf(0, 3)) << ReadText(folder.path() / "said.txt");
   // What is known of each frame stays in memory until it is scored, 3.6 kB of it: 26 MB in half of two hours, and as
   // much again while a vector grows. A short walk ends too soon to tell more than that nothing large stays.
@@ -132,13 +123,13 @@ TEST(SoakTest, AWalkOfHoursHoldsNoMoreAtItsEnd) {
 TEST(SoakTest, AStudyOfManyRunsHoldsNoMoreAtItsEnd) {
   const TemporaryFolder folder;
   WriteInputs(folder.path());
-  const int runs = IsLong() ? Wanted("GAITCAM_SOAK_RUNS", 10000) : 8;
+  const int runs = IsLongPart() ? Wanted("GAITCAM_SOAK_RUNS", 10000) : 8;
   folder.Write("many.yaml",
                "base: walk.yaml\nset: {duration_s: 0.4, scene: plain, camera.fixed_subframes: 1, score.min_pairs: 3}\n"
                "axes: {camera.exposure_ms: [2]}\nseeds: " +
                    std::to_string(runs) + "\nmetrics: [coverage_ratio]\n");
   const Soaked soaked = Soak("study many.yaml --out study --cache cache -j 2", folder.path(),
-                             std::chrono::milliseconds(IsLong() ? 1000 : 40));
+                             std::chrono::milliseconds(IsLongPart() ? 1000 : 40));
   EXPECT_EQ(soaked.exit_code, 0) << ReadText(folder.path() / "said.txt");
   ExpectFlat(soaked, 2e-3 * runs + 2);  // a line of scores stays of each run: 2 kB
   EXPECT_EQ(CountIn(folder.path() / "tmp"), 0);

@@ -10,8 +10,8 @@ namespace {
 constexpr double kFocal_px = 280, kSigma_px = 0.4;
 constexpr int kKnown = 20;
 
-/// Two keyframes of a wall 1 m away, so that its depth is known; in the second another one, 4 m away, has come into
-/// view, whose depth is assumed to be that of the first.
+/// Two keyframes of a wall about 1 m away, so that its depth is known; in the second another one, 4 m away, has come
+/// into view, whose depth is assumed to be that of the first.
 struct NearAndFarWall {
   std::vector<Eigen::Vector3d> points;
   KeyframeMap map{KeyframeMapOptions()};

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int64_t kFrame_ns = 100'000'000, kSecond_ns = 1'000'000'000;
 
-/// A walk of 25 cm/s along x that sways by 2 cm, some 14 cm/s, once in the 0.7 s of a double step.
+/// A walk of 25 cm/s along x that sways by 2 cm, at up to 18 cm/s, once in the 0.7 s of a double step.
 StampedPose Walking(int frame) {
   const double t_s = 1e-9 * double(frame * kFrame_ns);
   const Eigen::Vector3d at(0.25 * t_s, 0.02 * std::sin(2 * M_PI / 0.7 * t_s), 0);
