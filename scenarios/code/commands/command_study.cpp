@@ -7,6 +7,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/whole_file.h"
 #include "results/reports/study_report.h"
+#include "results/reports/study_tables.h"
 #include "results/scoring/score_text.h"
 #include "scenarios/code/commands/commands.h"
 #include "scenarios/code/files/versions.h"
@@ -21,7 +22,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kMarker = "study.yaml";
-constexpr const char* kFiles[] = {"study.yaml", "runs.csv", "timings.csv", "summary.csv", "effects.csv", "report.html"};
+constexpr const char* kFiles[] = {"study.yaml",  "runs.csv",  "timings.csv", "summary.csv",
+                                  "effects.csv", "tables.md", "report.html"};
 
 /// The folder of an earlier call of this or another study, or a new one.
 void PrepareFolder(const fs::path& out, const std::string& study_text) {
@@ -84,6 +86,7 @@ void WriteTables(const Study& study, const std::vector<StudyEffect>& effects, co
   const std::string page = StudyReportHtml(report);  // throws without Chart.js, before anything is written
   WriteWholeFile(out / "summary.csv", SummaryCsv(study.table, report.statistics));
   WriteWholeFile(out / "effects.csv", EffectsCsv(study.table, effects));
+  WriteWholeFile(out / "tables.md", StudyTablesMarkdown(study.table, study.by));
   WriteWholeFile(out / "timings.csv", TimingsCsv(study.table));
   WriteWholeFile(out / "report.html", page);
   WriteWholeFile(out / "runs.csv", RunsCsv(study.table));

@@ -66,7 +66,7 @@ TEST_F(StudyTest, WritesATidyTablePerRunAndWhatItMeans) {
   EXPECT_THAT(runs, testing::StartsWith("camera.exposure_ms,system,seed,hash,status,failure,blur_median_px,frames,"));
   EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 5);
   EXPECT_THAT(runs, HasSubstr("\n4,akaze_vo,3,"));
-  for (const char* name : {"summary.csv", "effects.csv", "timings.csv", "report.html", "study.yaml"})
+  for (const char* name : {"summary.csv", "effects.csv", "tables.md", "timings.csv", "report.html", "study.yaml"})
     EXPECT_GT(ReadText(Path("out") / name).size(), 50u) << name;
 
   const ProgramResult again = Study("study.yaml --out out --json");
