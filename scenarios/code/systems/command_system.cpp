@@ -173,7 +173,8 @@ std::vector<FrameEstimate> CommandSystem::Run() {
     Subprocess program(Words(), SubprocessStreams{.log = dataset_->log(),
                                                   .folder = dataset_->answers(),
                                                   .max_file_bytes = kMaxForeignFile_bytes,
-                                                  .max_memory_mb = ForeignMemory_mb(command_.memory_mb)});
+                                                  .max_memory_mb = ForeignMemory_mb(command_.memory_mb),
+                                                  .max_processes = kMaxForeignProcesses});
     ending = program.Wait(command_.time_limit_s);
   }
   std::error_code ignored;

@@ -101,7 +101,8 @@ class ProcessSystem::Conversation {
                                                        .output = from_.second.number(),
                                                        .folder = work(),
                                                        .max_file_bytes = kMaxForeignFile_bytes,
-                                                       .max_memory_mb = ForeignMemory_mb(options.memory_mb)});
+                                                       .max_memory_mb = ForeignMemory_mb(options.memory_mb),
+                                                       .max_processes = kMaxForeignProcesses});
     to_.second.Close();
     from_.second.Close();
   }

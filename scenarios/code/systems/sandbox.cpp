@@ -79,7 +79,7 @@ const std::string& WhyNoSandbox() {
 }
 
 Ending EndingIn(const Ending& ending) {
-  if (ending.memory_limit_mb > 0) return ending;
+  if (!ending.offence.empty()) return ending;
   constexpr int kSignals = 128, kMaxSignal = 64;
   const bool is_signal = WhyNoSandbox().empty() && ending.code > kSignals && ending.code <= kSignals + kMaxSignal;
   return is_signal ? Ending{-1, ending.code - kSignals} : ending;

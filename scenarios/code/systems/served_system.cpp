@@ -144,7 +144,9 @@ SystemInfo AskOnce(const fs::path& library, const std::vector<fs::path>& readabl
   std::vector<std::string> words = WordsToServe(library);
   words.emplace_back("--info");
   if (WhyNoSandbox().empty()) words = Sandboxed(words, {readable, {folder.path()}, folder.path()});
-  Subprocess program(words, SubprocessStreams{.log = log, .max_memory_mb = ForeignMemory_mb(0)});
+  Subprocess program(
+      words,
+      SubprocessStreams{.log = log, .max_memory_mb = ForeignMemory_mb(0), .max_processes = kMaxForeignProcesses});
   constexpr double kLimit_s = 60;
   const std::optional<Ending> ending = program.Wait(kLimit_s);
   const std::string said = LastLine(log);

@@ -133,7 +133,7 @@ class KnownChildren {
 }  // namespace
 
 std::string Ending::ToText() const {
-  if (memory_limit_mb > 0) return fmt::format("was killed: it took more than {:g} MB of memory", memory_limit_mb);
+  if (!offence.empty()) return "was killed: " + offence;
   return signal == 0 ? fmt::format("exited with {}", code)
                      : fmt::format("died of signal {} ({})", signal, strsignal(signal));
 }
@@ -148,15 +148,16 @@ Subprocess::Subprocess(const std::vector<std::string>& command, const Subprocess
   child_ = KnownChildren::Instance().Fork([&] { BecomeProgram(words.data(), variables.data(), streams, parent); });
   if (child_ < 0) throw MissingResource(std::string("cannot start another process: ") + std::strerror(errno));
   setpgid(child_, child_);  // whichever of us comes first
-  if (streams.max_memory_mb > 0) {
-    max_memory_mb_ = streams.max_memory_mb;
-    memory_ = std::make_unique<MemoryWatch>(child_, mark_, uint64_t(streams.max_memory_mb * 1e6));
-  }
+  FamilyLimits limits;
+  if (streams.max_memory_mb > 0) limits.memory_bytes = uint64_t(streams.max_memory_mb * 1e6);
+  if (streams.max_processes > 0) limits.processes = streams.max_processes;
+  if (streams.max_memory_mb > 0 || streams.max_processes > 0)
+    watch_ = std::make_unique<FamilyWatch>(child_, mark_, limits);
 }
 
 Subprocess::~Subprocess() {
   if (child_ == 0) return;
-  memory_.reset();  // before its number may be another's
+  watch_.reset();  // before its number may be another's
   kill(-child_, SIGKILL);
   kill(child_, SIGKILL);
   waitpid(child_, nullptr, 0);
@@ -167,8 +168,7 @@ Subprocess::~Subprocess() {
 Subprocess::Subprocess(Subprocess&& other) noexcept
     : child_(std::exchange(other.child_, 0)),
       mark_(std::move(other.mark_)),
-      max_memory_mb_(other.max_memory_mb_),
-      memory_(std::move(other.memory_)),
+      watch_(std::move(other.watch_)),
       ending_(other.ending_) {}
 
 /// Again until there is none: one may start another while we look.
@@ -188,8 +188,8 @@ std::optional<Ending> Subprocess::Poll() {
   siginfo_t info = {};
   if (waitid(P_PID, id_t(child_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != child_)
     return std::nullopt;
-  const bool took_too_much = memory_ && memory_->exceeded();
-  memory_.reset();  // as long as its number is its own
+  const std::string offence = watch_ ? watch_->offence() : "";
+  watch_.reset();  // as long as its number is its own
   int status = 0;
   waitpid(child_, &status, 0);
   kill(-child_, SIGKILL);
@@ -197,7 +197,7 @@ std::optional<Ending> Subprocess::Poll() {
   KillDescendants();
   child_ = 0;
   ending_ = WIFEXITED(status) ? Ending{WEXITSTATUS(status), 0} : Ending{-1, WTERMSIG(status)};
-  if (took_too_much) ending_ = Ending{-1, SIGKILL, max_memory_mb_};
+  if (!offence.empty()) ending_ = Ending{-1, SIGKILL, offence};
   return ending_;
 }
 

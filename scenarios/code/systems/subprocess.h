@@ -11,15 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/code/systems/memory_watch.h"
+#include "scenarios/code/systems/family_watch.h"
 
 namespace gaitcam {
 
 /// How a program ended.
 struct Ending {
-  int code = 0;                ///< Exit code; -1 if a signal ended it.
-  int signal = 0;              ///< 0 unless a signal ended it.
-  double memory_limit_mb = 0;  ///< Above 0: it was killed because it took more than this.
+  int code = 0;              ///< Exit code; -1 if a signal ended it.
+  int signal = 0;            ///< 0 unless a signal ended it.
+  std::string offence = {};  ///< Why it was killed, "it took more than 500 MB of memory", if it was.
 
   bool ok() const { return code == 0; }
   /// "exited with 3", "died of signal 11 (Segmentation fault)", "was killed: it took more than 500 MB of memory".
@@ -35,6 +35,7 @@ struct SubprocessStreams {
   std::map<std::string, std::string> variables = {};  ///< Of its environment, where ours says nothing of them.
   size_t max_file_bytes = 0;                          ///< Of each file that it writes, its log too; 0: no limit.
   double max_memory_mb = 0;                           ///< Of it and all that it starts, together; 0: no limit.
+  size_t max_processes = 0;                           ///< Likewise.
 };
 
 class Subprocess {
@@ -59,10 +60,9 @@ class Subprocess {
  private:
   void KillDescendants() const;
 
-  pid_t child_ = 0;   ///< 0: ended, or moved from.
-  std::string mark_;  ///< In the environment of all that it starts.
-  double max_memory_mb_ = 0;
-  std::unique_ptr<MemoryWatch> memory_;  ///< Nothing where there is no limit.
+  pid_t child_ = 0;                     ///< 0: ended, or moved from.
+  std::string mark_;                    ///< In the environment of all that it starts.
+  std::unique_ptr<FamilyWatch> watch_;  ///< Nothing where there is no limit.
   std::optional<Ending> ending_;
 };
 
@@ -71,6 +71,9 @@ std::optional<std::filesystem::path> FindProgram(const std::string& name);
 
 /// No file of somebody else's program grows beyond this: its folder lies in memory, and what it printed is kept.
 constexpr size_t kMaxForeignFile_bytes = size_t(1) << 30;
+
+/// Nobody's odometry needs as many processes; a program that forks without end is stopped by it.
+constexpr size_t kMaxForeignProcesses = 500;
 
 /// What somebody else's program may take of memory: `given`, or three quarters of the machine's if that is 0.
 double ForeignMemory_mb(double given);

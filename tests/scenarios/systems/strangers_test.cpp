@@ -209,6 +209,27 @@ TEST_F(Strangers, ACommandThatHoardsIsKilled) {
             "was killed: it took more than 150 MB of memory");
 }
 
+// Each in a session of its own, so that only looking for them finds them.
+TEST_F(Strangers, WhoStartsProcessesWithoutEndIsKilledWithAllOfThem) {
+  const std::string slam =
+      Program("slam.py", Answering("  if m['event'] == 'frame':\n"
+                                   "    while os.fork(): pass\n"
+                                   "    os.setsid(); time.sleep(19); os._exit(0)\n"
+                                   "  say({'status': 'lost'} if m['event'] == 'frame' else {})\n"));
+  EXPECT_EQ(FailureOf("{process: [" + slam + "], frame_limit_s: 20}"),
+            "at frame 1 it was killed: it started more than 500 processes");
+  EXPECT_FALSE(IsAnywhere(slam)) << "some still run";
+}
+
+TEST_F(Strangers, WhatTheyMayHaveOfProcessesTheyGet) {
+  const std::string slam =
+      Program("slam.py", Answering("  if m['event'] == 'frame':\n"
+                                   "    [os.fork() == 0 and (time.sleep(0.4), os._exit(0)) for i in range(120)]\n"
+                                   "    time.sleep(0.5)\n"
+                                   "  say({'status': 'lost'} if m['event'] == 'frame' else {})\n"));
+  EXPECT_EQ(FailureOf("{process: [" + slam + "], frame_limit_s: 20}"), "");
+}
+
 // Double forks, sessions and environments of their own: nothing that a program can do to be forgotten is enough.
 TEST_F(Strangers, ChildrenThatHideAreFound) {
   Subprocess program({"/bin/sh", "-c", "env -i setsid sh -c 'sleep 98762.3 & sleep 98762.3' >/dev/null 2>&1 & exit 0"},
