@@ -18,6 +18,7 @@
 #include "algorithms/odometry/keyframe_map.h"
 #include "algorithms/odometry/mean_velocity.h"
 #include "algorithms/odometry/metric_scale.h"
+#include "algorithms/odometry/shutter_turn.h"
 
 namespace gaitcam {
 namespace {
@@ -53,7 +54,9 @@ class KeyframeVo::Tracker {
         policy_(options.policy, options.localizer.min_inliers),
         map_(MapOptions(options)) {
     if (options.metric && calibration.standing) metric_.emplace(calibration);
-    if ((options.use_imu || options.blur_by_imu) && calibration.imu.rate_hz > 0) gyro_.emplace(calibration.imu);
+    const bool unrolls = options.shutter_by_imu && calibration.readout_ms > 0;
+    if ((options.use_imu || options.blur_by_imu || unrolls) && calibration.imu.rate_hz > 0)
+      gyro_.emplace(calibration.imu);
     if (options.blur_by_imu) blur_aware_ = &BlurAware(calibration);
   }
 
@@ -127,6 +130,7 @@ class KeyframeVo::Tracker {
   FrameEstimate Answer(const Observation& observation);
   BlurAwareFeature& BlurAware(const Calibration& calibration) const;
   void TellBlur(const Observation& observation);
+  void Unroll(int64_t stamp_ns, FrameView& view) const;
   void LearnBias(const Pose& X_WC, int64_t stamp_ns);
   bool Initialize(FrameView& view, std::optional<Pose>& predicted);
   Pose PredictPose(int64_t stamp_ns) const;
@@ -181,6 +185,7 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   if (blur_aware_) TellBlur(observation);
   FrameView view = ViewFrame(observation.image.pixels, camera_, *detector_, options_.max_features,
                              {options_.localizer.sigma_px, options_.localizer.sigma_per_size});
+  if (options_.shutter_by_imu && gyro_ && calibration_.readout_ms > 0) Unroll(observation.stamp_ns, view);
   answer.features = view.features.size();
   inliers_.clear();
   matches_ = 0;
@@ -276,6 +281,14 @@ void KeyframeVo::Tracker::TellBlur(const Observation& observation) {
   const Eigen::Vector3d bias_I = calibration_.imu.X_CI.rotation.conjugate() * gyro_->bias();
   const InertialPsf blur(gyro_->samples(), calibration_.imu, camera_, open_ns, close_ns, bias_I);
   blur_aware_->SetBlurRegions(blur.Regions());
+}
+
+/// Frames that the gyroscope did not measure stay as they are.
+void KeyframeVo::Tracker::Unroll(int64_t stamp_ns, FrameView& view) const {
+  const auto shutter = ShutterTurn::Measure(*gyro_, stamp_ns, calibration_.readout_ms);
+  if (!shutter) return;
+  for (size_t i = 0; i < view.xy.size(); ++i)
+    view.xy[i] = shutter->AtStamp(view.xy[i], view.features.keypoints[i].pt.y / (camera_.height_px - 1.0));
 }
 
 /// With a map: the map grows by a frame that has a pose in it.

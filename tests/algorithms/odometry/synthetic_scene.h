@@ -55,9 +55,17 @@ class SyntheticScene {
   // One instant, one ray per pixel, `shift_px` from its centre; each takes the texture at the resolution of its
   // footprint.
   cv::Mat Render(const CameraModel& camera, const Pose& X_WC, const Eigen::Vector2d& shift_px) const {
+    return RenderRows(
+        camera, [&](int) { return X_WC; }, shift_px);
+  }
+
+  // The same, each row v from a pose of its own.
+  template <class PoseOfRow>
+  cv::Mat RenderRows(const CameraModel& camera, PoseOfRow pose, const Eigen::Vector2d& shift_px) const {
     cv::Mat image(camera.height_px, camera.width_px, CV_32FC1);
-    const Eigen::Matrix3d R = X_WC.R();
     for (int v = 0; v < camera.height_px; ++v) {
+      const Pose X_WC = pose(v);
+      const Eigen::Matrix3d R = X_WC.R();
       for (int u = 0; u < camera.width_px; ++u) {
         const Eigen::Vector3d ray = R * camera.Unproject(Eigen::Vector2d(u, v) + shift_px);
         image.at<float>(v, u) = float(Shade(X_WC.translation, ray, camera.fx));
