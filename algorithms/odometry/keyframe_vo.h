@@ -4,7 +4,7 @@
 /// Composed of
 /// - MapInitializer: the first two keyframes (thesis 5.4, steps 2 to 5);
 /// - MeanVelocity: where the camera will be, but for its swaying;
-/// - ShutterTurn: where a rolling shutter's key points were at the frame's stamp;
+/// - ShutterTurn: rolling-shutter correction, where a key point was at the frame's stamp;
 /// - LandmarkLocalizer: a frame's pose from landmarks near a prediction, or anywhere (relocalisation);
 /// - KeyframePolicy: which frame becomes a keyframe;
 /// - KeyframeMap: landmarks, keyframes, windowed bundle adjustment;
@@ -60,7 +60,8 @@ struct KeyframeVoOptions {
   /// rotation alone, its bias as learned. Frames whose exposure it did not measure whole are left to the detector's own
   /// estimate. Needs a gyroscope, a global shutter and such a detector (BadOption).
   bool blur_by_imu = false;
-  /// Undo a rolling shutter's shear by the gyroscope (ShutterTurn), where the shutter rolls and there is one.
+  /// Correct a rolling shutter by the gyroscope (ShutterTurn), where the shutter rolls and there is one. Frames that it
+  /// did not measure stay as they are.
   bool shutter_by_imu = true;
   bool metric = true;  ///< MetricScale, where the calibration says how high the camera stands.
   /// Frames before a map get predictions as if the camera only turned.
@@ -87,7 +88,7 @@ void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
   visit("use_imu", o.use_imu, Nested(), "predict each frame's rotation by the gyroscope");
   visit("blur_by_imu", o.blur_by_imu, Nested(),
         "a detector that accounts for blur is told of it by the gyroscope; needs a global shutter");
-  visit("shutter_by_imu", o.shutter_by_imu, Nested(), "undo a rolling shutter's shear by the gyroscope");
+  visit("shutter_by_imu", o.shutter_by_imu, Nested(), "correct a rolling shutter by the gyroscope, where there is one");
   visit("metric", o.metric, Nested(), "poses in metres by the height at which the camera stands, where that is known");
   visit("rotation_before_map", o.rotation_before_map, Nested(),
         "frames before a map get predictions that turn without moving");

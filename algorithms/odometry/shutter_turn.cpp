@@ -14,12 +14,14 @@ std::optional<ShutterTurn> ShutterTurn::Measure(const GyroTurn& gyro, int64_t st
   for (int i = 0; i < kRows; ++i) {
     const double after_ms = readout_ms * (double(i) / (kRows - 1) - 0.5);
     const int64_t at_ns = stamp_ns + std::llround(after_ms * kNsPerMs);
+    if (at_ns == stamp_ns) {
+      shutter.turns_.push_back(Eigen::Vector3d::Zero());
+      continue;
+    }
     const auto turn = gyro.Between(std::min(at_ns, stamp_ns), std::max(at_ns, stamp_ns));
-    if (at_ns != stamp_ns && !turn) return {};
-    // Between() has the frame of the earlier instant first.
-    shutter.turns_.push_back(at_ns == stamp_ns  ? Eigen::Vector3d::Zero()
-                             : at_ns > stamp_ns ? *turn
-                                                : Eigen::Vector3d(-*turn));
+    if (!turn) return {};
+    shutter.turns_.push_back(
+        at_ns > stamp_ns ? *turn : Eigen::Vector3d(-*turn));  // it is from the earlier instant to the later one
   }
   return shutter;
 }

@@ -1,7 +1,8 @@
-/// How a camera turned while its rolling shutter went down the image, by the gyroscope: a key point is seen when its
-/// row is exposed, up to half the readout before or after the frame's stamp, and a pose is of the stamp.
+/// Correction of a rolling shutter by the gyroscope: a key point is seen when its row is exposed, up to half the
+/// readout before or after the frame's stamp, and a pose is of the stamp.
 ///
-/// Rotation only. A head that walks turns by some 20 px within a readout of 20 ms, and moves by one or two.
+/// Rotation alone, as in Karpenko, Jacobs, Baek and Levoy, Stanford CSTR 2011-03: how far the camera moves within a
+/// readout is left in, as it needs the points' depths.
 
 #pragma once
 
@@ -29,8 +30,9 @@ class ShutterTurn {
  private:
   ShutterTurn() = default;
 
-  std::vector<Eigen::Vector3d> turns_;  ///< phi of R_ST = Exp(phi), S at the stamp, T when a row was exposed; evenly
-                                        ///< spaced rows, the first and the last among them.
+  /// phi of R_ST = Exp(phi), rad; S is the camera at the stamp, T when a row was exposed. Of evenly spaced rows, from
+  /// the first to the last.
+  std::vector<Eigen::Vector3d> turns_;
 };
 
 }  // namespace gaitcam

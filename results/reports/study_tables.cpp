@@ -86,7 +86,7 @@ std::string HeadLine(const std::vector<std::string>& cells) {
   return line + "\n" + rule + "\n";
 }
 
-/// Levels of some of the axes, one for each of those, and the conditions that have them.
+/// One level of each of some axes.
 using Combination = std::vector<size_t>;
 std::vector<Combination> Combinations(const StudyTable& table, const std::vector<size_t>& axes) {
   std::vector<Combination> all{{}};
@@ -182,13 +182,13 @@ std::string TableOfLevels(const StudyTable& table, const std::vector<Shown>& all
 std::string Head(const StudyTable& table) {
   std::map<std::string, size_t> by_status;
   for (const StudyRun& run : table.runs) ++by_status[run.status];
-  std::string text = fmt::format("# {}\n\n{}\n\n{} runs, {} seeds for each condition", table.name, table.description,
+  const std::string description = table.description.empty() ? "" : table.description + "\n\n";
+  std::string text = fmt::format("# {}\n\n{}{} runs, {} seeds for each condition", table.name, description,
                                  table.runs.size(), table.seeds);
   for (const auto& [status, runs] : by_status) text += fmt::format("; {} {}", runs, status);
   return text +
-         ".\nMedian (smallest to largest) over the seeds; [n]: of n that have the score, where not all have it; -: "
-         "none "
-         "has it. Names that begin with `live_` are of the live answers.\n";
+         ".\nMedian (smallest to largest) over the seeds; [n]: of n that have the score, where not all have it; "
+         "-: none has it. Names that begin with `live_` are of the live answers.\n";
 }
 
 }  // namespace

@@ -383,15 +383,6 @@ TEST(KeyframeVo, TheGyroscopeUndoesARollingShutter) {
   EXPECT_LT(rmse_m[true], 0.5 * rmse_m[false]) << "4 and 15 mm were measured";
 }
 
-TEST(KeyframeVo, AGlobalShutterHasNothingToUndo) {
-  Calibration calibration = OneCamera();
-  calibration.imu.rate_hz = kGyro_hz;
-  KeyframeVoOptions without = Fast();
-  without.shutter_by_imu = false;
-  KeyframeVo a(calibration, Fast(), 1), b(calibration, without, 1);
-  ExpectSameBits(TrackAll(a, SidewaysFilm().frames), TrackAll(b, SidewaysFilm().frames));
-}
-
 TEST(KeyframeVo, MetricCanBeSwitchedOff) {
   KeyframeVoOptions options = Fast();
   options.metric = false;
