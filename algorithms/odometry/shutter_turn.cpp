@@ -8,20 +8,33 @@
 
 namespace gaitcam {
 
+namespace {
+
+/// phi of R_ST = Exp(phi); S is the camera at the stamp, T so long after it.
+std::optional<Eigen::Vector3d> TurnFromStamp(const GyroTurn& gyro, int64_t stamp_ns, double after_ms) {
+  const int64_t at_ns = stamp_ns + std::llround(after_ms * kNsPerMs);
+  if (at_ns == stamp_ns) return Eigen::Vector3d::Zero();
+  const auto turn = gyro.Between(std::min(at_ns, stamp_ns), std::max(at_ns, stamp_ns));
+  if (!turn || at_ns > stamp_ns) return turn;
+  return Eigen::Vector3d(-*turn);  // it is from the earlier instant to the later one
+}
+
+}  // namespace
+
 std::optional<ShutterTurn> ShutterTurn::Measure(const GyroTurn& gyro, int64_t stamp_ns, double readout_ms) {
   constexpr int kRows = 9;  // a turn hardly changes its rate within an eighth of a readout
   ShutterTurn shutter;
+  double measured_ms = -0.5 * readout_ms;
   for (int i = 0; i < kRows; ++i) {
     const double after_ms = readout_ms * (double(i) / (kRows - 1) - 0.5);
-    const int64_t at_ns = stamp_ns + std::llround(after_ms * kNsPerMs);
-    if (at_ns == stamp_ns) {
-      shutter.turns_.push_back(Eigen::Vector3d::Zero());
-      continue;
+    if (const auto turn = TurnFromStamp(gyro, stamp_ns, after_ms)) {
+      shutter.turns_.push_back(*turn);
+      if (after_ms != 0) measured_ms = after_ms;
+    } else if (i >= 2 && after_ms - measured_ms <= kMaxExtrapolated_ms) {
+      shutter.turns_.push_back(2 * shutter.turns_[size_t(i) - 1] - shutter.turns_[size_t(i) - 2]);
+    } else {
+      return {};
     }
-    const auto turn = gyro.Between(std::min(at_ns, stamp_ns), std::max(at_ns, stamp_ns));
-    if (!turn) return {};
-    shutter.turns_.push_back(
-        at_ns > stamp_ns ? *turn : Eigen::Vector3d(-*turn));  // it is from the earlier instant to the later one
   }
   return shutter;
 }

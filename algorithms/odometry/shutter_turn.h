@@ -18,6 +18,10 @@ namespace gaitcam {
 
 class ShutterTurn {
  public:
+  /// The longest time after the last measured turn for which the camera is taken to turn on at the same rate. A frame
+  /// of a short exposure has been read out before the gyroscope's last samples are there.
+  static constexpr double kMaxExtrapolated_ms = 10;
+
   /// @param readout_ms first to last row, > 0; the frame's stamp is that of the row in the middle
   /// @returns nothing where the gyroscope did not measure it
   static std::optional<ShutterTurn> Measure(const GyroTurn& gyro, int64_t stamp_ns, double readout_ms);

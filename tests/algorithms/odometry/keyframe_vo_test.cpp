@@ -338,7 +338,8 @@ Pose NoddingPose(double t_s) {
   return {RotZ(0.05 * std::sin(phase)) * steady.rotation * RotX(0.05 * std::cos(phase)), steady.translation};
 }
 
-/// What a rolling shutter makes of it, every row an instant, and what a gyroscope in the camera measures meanwhile.
+/// What a rolling shutter makes of it, every row an instant, and what a gyroscope in the camera measures meanwhile: with
+/// a frame come the samples up to 5 ms after its stamp; its last row is read 10 ms after it.
 Film RollingFilm(int frames) {
   Film film = FilmPath(Room(), kCamera, 0, NoddingPose);
   RandomStream random(8, "rolling");
@@ -352,7 +353,7 @@ Film RollingFilm(int frames) {
     Observation observation;
     observation.stamp_ns = observation.image.stamp_ns = 1'000'000'000 + std::llround(1e9 * t_s);
     grey.convertTo(observation.image.pixels, CV_8UC1);
-    const double until_s = t_s + 0.5e-3 * kRollsFor_ms;
+    const double until_s = t_s + 0.25e-3 * kRollsFor_ms;
     for (int i = int(std::ceil((until_s - 1 / 30.0) * kGyro_hz)); i < until_s * kGyro_hz; ++i) {
       ImuSample sample;
       sample.stamp_ns = 1'000'000'000 + std::llround(1e9 * i / kGyro_hz);

@@ -22,10 +22,10 @@ ImuCalibration ObliqueImu() {
 /// A head of a brisk walk, rad/s in its own frame.
 Eigen::Vector3d Rate_C(double t_s) { return {1.5 * std::sin(20 * t_s), -0.8, 2 * std::cos(20 * t_s)}; }
 
-GyroTurn Measured() {
+GyroTurn Measured(int64_t until_ns = 2 * kStamp_ns) {
   GyroTurn gyro(ObliqueImu());
   std::vector<ImuSample> samples;
-  for (int64_t t_ns = 0; t_ns < 2 * kStamp_ns; t_ns += kGyroPeriod_ns) {
+  for (int64_t t_ns = 0; t_ns <= until_ns; t_ns += kGyroPeriod_ns) {
     ImuSample sample;
     sample.stamp_ns = t_ns;
     sample.angular_rate = ObliqueImu().X_CI.rotation.conjugate() * Rate_C(1e-9 * double(t_ns));
@@ -64,8 +64,19 @@ TEST(ShutterTurn, APointIsPutWhereItWasAtTheStamp) {
   }
 }
 
+TEST(ShutterTurn, TheCameraTurnsOnWhereTheLastSamplesAreMissing) {
+  const auto shutter = ShutterTurn::Measure(Measured(kStamp_ns), kStamp_ns, kReadout_ms);
+  ASSERT_TRUE(shutter);
+  const Eigen::Vector2d at_stamp(0.4, -0.3);
+  const Eigen::Vector2d seen = (TrueTurn(0.5e-3 * kReadout_ms).conjugate() * at_stamp.homogeneous()).hnormalized();
+  // 40 rad/s^2 for the 7.5 ms after the last sample's period make 1.1e-3 rad; the point is half a focal length out.
+  EXPECT_LT((shutter->AtStamp(seen, 1) - at_stamp).norm(), 2e-3);
+  EXPECT_GT((seen - at_stamp).norm(), 0.01) << "as it was seen";
+}
+
 TEST(ShutterTurn, WhatTheGyroscopeDidNotMeasureIsNotKnown) {
   EXPECT_FALSE(ShutterTurn::Measure(GyroTurn(ObliqueImu()), kStamp_ns, kReadout_ms));
+  EXPECT_FALSE(ShutterTurn::Measure(Measured(kStamp_ns - 3 * kGyroPeriod_ns), kStamp_ns, kReadout_ms)) << "too early";
   EXPECT_FALSE(ShutterTurn::Measure(Measured(), 5 * kStamp_ns, kReadout_ms));
 }
 
