@@ -216,9 +216,24 @@ void ReadMap(const OptionValue& root, ResolvedScenario& resolved) {
   }
 }
 
+/// `camera={exposure_ms: 20}` after `camera.rate_hz=10` would take the rate back without a word.
+void CheckNoneTakesAnotherBack(const std::vector<std::string>& assignments) {
+  const auto key_of = [](const std::string& assignment) { return assignment.substr(0, assignment.find('=')); };
+  for (size_t i = 0; i < assignments.size(); ++i) {
+    const std::string whole = key_of(assignments[i]);
+    for (size_t before = 0; before < i; ++before) {
+      const std::string part = key_of(assignments[before]);
+      if (!part.starts_with(whole + ".")) continue;
+      throw BadInput(fmt::format("--set {}: would replace all of {}, also {}, which was set before; say {} in it, too",
+                                 assignments[i], whole, part, part.substr(whole.size() + 1)));
+    }
+  }
+}
+
 }  // namespace
 
 ResolvedScenario ReadScenario(const fs::path& file, const std::vector<std::string>& assignments, ModelShelf* shelf) {
+  CheckNoneTakesAnotherBack(assignments);
   OptionValue root = LoadYaml(file);
   for (const std::string& assignment : assignments) {
     MakeRoomForSetting(root, assignment);

@@ -198,7 +198,8 @@ struct ModelShelf {
   std::map<std::string, Scene> scenes;
 };
 
-/// Reads a scenario file, applies `--set` assignments in order, and resolves robot, scene and gait.
+/// Reads a scenario file, applies `--set` assignments in order, and resolves robot, scene and gait. A whole (`camera`)
+/// may not be set after a part of it (`camera.rate_hz`), which it would take back.
 /// @param shelf for those who read many scenarios of the same models.
 /// @throws BadInput or BadOption with one line: file, line, column, key, value and what would be right.
 ResolvedScenario ReadScenario(const std::filesystem::path& file, const std::vector<std::string>& assignments,

@@ -66,6 +66,13 @@ TEST_F(ExperimentTest, AListNamesItsConditionsOneByOneAndASystemMayBeAMap) {
   EXPECT_THAT(e.options.seeds, ElementsAre(4, 9));
 }
 
+TEST_F(ExperimentTest, APartOfAKeyMayBeSetAfterTheWholeAndTheSameKeyAnew) {
+  const Experiment e =
+      Read("base: base.yaml\nset: {camera: {rate_hz: 10}, camera.exposure_ms: 4}\naxes: {camera.exposure_ms: [20]}\n");
+  EXPECT_EQ(e.conditions[0].resolved.scenario.camera.rate_hz, 10);
+  EXPECT_EQ(e.conditions[0].resolved.scenario.camera.exposure.exposure_ms, 20);
+}
+
 TEST_F(ExperimentTest, HashesTellScenariosApartAndFramesHashesDoNotSeeTheSystem) {
   const Experiment e =
       Read("base: base.yaml\naxes:\n  camera.exposure_ms: [0, 20]\n  system: [sift_vo, {name: sift_vo, ratio: 0.7}]\n");
@@ -150,6 +157,9 @@ TEST_F(ExperimentTest, BadFilesAreToldApart) {
   ExpectRefusal("base: base.yaml\nset: {place: lab}\n", "e.yaml:2:14: set.place: this key is called scene now");
   ExpectRefusal("base: base.yaml\naxes: {duration_s: [long]}\n",
                 "e.yaml:2:21: axes.duration_s[0]: \"long\" is not a number");
+  ExpectRefusal("base: base.yaml\nset: {camera.rate_hz: 10}\naxes: {camera: [{preset: cmos}]}\n",
+                "e.yaml:3:17: axes.camera[0]: would replace all of camera, also camera.rate_hz, which was set before");
+  ExpectRefusal("base: base.yaml\nlist: [{system.ratio: 0.7, system: sift_vo}]\n", "say ratio in it, too");
   ExpectRefusal("base: base.yaml\nlist: [{duration_s: 1}]\naxes: {duration_s: [1]}\n", "not both");
   ExpectRefusal("base: base.yaml\nseeds: 0\n", "e.yaml:2:8: seeds: expected a number of seeds of 1 to");
   ExpectRefusal("base: base.yaml\nseeds: [1, 1]\n", "this seed is there twice");
