@@ -9,8 +9,8 @@
 ///   seeds: 10                                   # 1 to 10; or a list
 ///
 /// All combinations of the axes are the conditions; the first axis changes slowest. Instead of axes, `list` names the
-/// conditions one by one, each a map of keys and values. A value that is a map replaces the base's whole; what `set` gave
-/// a part of it would be lost, which is an error.
+/// conditions one by one, each a map of keys and values. A value that is a map replaces the base's whole; what `set`
+/// gave a part of it would be lost, which is an error.
 
 #pragma once
 
