@@ -3,6 +3,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "algorithms/core/errors.h"
+
 namespace gaitcam {
 namespace {
 
@@ -23,6 +25,8 @@ Features Masked(const Features& features, const cv::Mat& mask) {
 }
 
 }  // namespace
+
+void BlurAwareFeature::SetMinBlur(double) { throw BadOption("min_blur_px: this detector has no such limit"); }
 
 void BlurAwareFeature::SetBlur(const std::optional<LineBlur>& blur) {
   known_.clear();

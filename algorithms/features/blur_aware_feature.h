@@ -19,6 +19,9 @@ class BlurAwareFeature : public cv::Feature2D {
   /// The same for an image whose parts have a blur of their own. Regions cover the images to come; none: estimate
   /// again.
   void SetBlurRegions(const std::vector<BlurRegion>& regions) { known_ = regions; }
+  /// Images with a shorter blur are taken as they are from now on; of a length that no image has: all of them.
+  /// @throws BadOption of a detector that has no such limit.
+  virtual void SetMinBlur(double extent_px);
 
   /// OpenCV's entry. Keypoints cannot be handed in (cv::Exception): they would have to come from the same scale space.
   /// @param image CV_8UC1 or CV_8UC3 (BGR); an empty one has no features.

@@ -22,6 +22,7 @@ class Mobif : public BlurAwareFeature {
   }
 
   int descriptorSize() const override { return SiftLength(options_.sift); }
+  void SetMinBlur(double extent_px) override { options_.min_extent_px = extent_px; }
 
  private:
   Features Extract(const cv::Mat& grey, int most) override {
@@ -89,7 +90,7 @@ class Mobif : public BlurAwareFeature {
     return values;
   }
 
-  const MobifOptions options_;
+  MobifOptions options_;
   std::unique_ptr<PsfEstimator> psf_;
   AdaptedSigmaCache adapted_sigma_;  // the same values in whatever order they are asked for
 };

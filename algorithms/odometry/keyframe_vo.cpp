@@ -57,7 +57,8 @@ class KeyframeVo::Tracker {
     const bool unrolls = options.shutter_by_imu && calibration.readout_ms > 0;
     if ((options.use_imu || options.blur_by_imu || unrolls) && calibration.imu.rate_hz > 0)
       gyro_.emplace(calibration.imu);
-    if (options.blur_by_imu) blur_aware_ = &BlurAware(calibration);
+    if (options.min_blur_px > 0) BlurAware("min_blur_px").SetMinBlur(options.min_blur_px);
+    if (options.blur_by_imu) blur_aware_ = &ToldBlurBy(calibration);
   }
 
   FrameEstimate Track(const Observation& observation) {
@@ -128,7 +129,8 @@ class KeyframeVo::Tracker {
   std::optional<Eigen::Vector3d> UpNow() const { return metric_ ? std::optional(metric_->up_C.up_C()) : std::nullopt; }
 
   FrameEstimate Answer(const Observation& observation);
-  BlurAwareFeature& BlurAware(const Calibration& calibration) const;
+  BlurAwareFeature& BlurAware(const std::string& option) const;
+  BlurAwareFeature& ToldBlurBy(const Calibration& calibration) const;
   void TellBlur(const Observation& observation);
   void Unroll(int64_t stamp_ns, FrameView& view) const;
   void LearnBias(const Pose& X_WC, int64_t stamp_ns);
@@ -264,13 +266,19 @@ void KeyframeVo::Tracker::LearnBias(const Pose& X_WC, int64_t stamp_ns) {
   gyro_->LearnBias(LogSo3(R_NL * ExpSo3(*turn)), 1e-9 * double(stamp_ns - last_->stamp_ns), kSigma_rad);
 }
 
-/// The detector that is to be told of blur. @throws BadOption where it cannot be told.
-BlurAwareFeature& KeyframeVo::Tracker::BlurAware(const Calibration& calibration) const {
+/// The detector, for an option that only one that accounts for blur has. @throws BadOption naming the option.
+BlurAwareFeature& KeyframeVo::Tracker::BlurAware(const std::string& option) const {
   auto* const detector = dynamic_cast<BlurAwareFeature*>(detector_.get());
-  if (detector == nullptr) throw BadOption("blur_by_imu: " + options_.feature + " does not account for blur");
+  if (detector == nullptr) throw BadOption(option + ": " + options_.feature + " does not account for blur");
+  return *detector;
+}
+
+/// The detector that the gyroscope is to tell of blur. @throws BadOption where it cannot be told.
+BlurAwareFeature& KeyframeVo::Tracker::ToldBlurBy(const Calibration& calibration) const {
+  BlurAwareFeature& detector = BlurAware("blur_by_imu");
   if (calibration.readout_ms > 0) throw BadOption("blur_by_imu: needs a global shutter, this one rolls");
   if (!gyro_) throw BadOption("blur_by_imu: needs a gyroscope");
-  return *detector;
+  return detector;
 }
 
 /// Of the present frame's exposure; nothing where the gyroscope did not measure all of it.

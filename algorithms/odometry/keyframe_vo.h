@@ -56,6 +56,9 @@ struct KeyframeVoOptions {
   int memory = 20;             ///< Keyframes after which a landmark that was not seen again is removed.
   bool use_floor = true;       ///< FloorPrior.
   bool use_imu = false;        ///< Predict each frame's rotation by the gyroscope, whose bias is learned.
+  /// A detector that accounts for blur takes images with less as they are; 0: its own limit. BadOption where it has
+  /// none.
+  double min_blur_px = 0;
   /// Tell a detector that accounts for blur how the light moved during the exposure, by the gyroscope (InertialPsf): by
   /// rotation alone, its bias as learned. Frames whose exposure it did not measure whole are left to the detector's own
   /// estimate. Needs a gyroscope, a global shutter and such a detector (BadOption).
@@ -86,6 +89,8 @@ void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
   visit("memory", o.memory, Between(1, 100000), "keyframes until an unseen landmark is removed");
   visit("use_floor", o.use_floor, Nested(), "depths and scale by the camera's height over the floor");
   visit("use_imu", o.use_imu, Nested(), "predict each frame's rotation by the gyroscope");
+  visit("min_blur_px", o.min_blur_px, AtLeast(0),
+        "a detector that accounts for blur takes images with less as they are; 0: its own limit");
   visit("blur_by_imu", o.blur_by_imu, Nested(),
         "a detector that accounts for blur is told of it by the gyroscope; needs a global shutter");
   visit("shutter_by_imu", o.shutter_by_imu, Nested(), "correct a rolling shutter by the gyroscope, where there is one");

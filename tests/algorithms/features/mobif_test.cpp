@@ -137,6 +137,26 @@ TEST(Mobif, AKnownBlurIsTakenInsteadOfAnEstimate) {
   }
 }
 
+TEST(Mobif, ABlurBelowTheLimitIsLeftAlone) {
+  const Views views = Film(18);
+  const cv::Ptr<BlurAwareFeature> detector = MakeMobif();
+  const auto positions = [&] {
+    std::vector<cv::Point2f> points;
+    for (const cv::KeyPoint& k : DetectFeatures(*detector, views.blurred, kAllFeatures).keypoints)
+      points.push_back(k.pt);
+    return points;
+  };
+  const auto by_itself = positions();
+  detector->SetMinBlur(10);
+  EXPECT_EQ(positions(), by_itself);
+  detector->SetMinBlur(30);
+  const auto left_alone = positions();
+  detector->SetBlur(LineBlur{});
+  EXPECT_EQ(left_alone, positions());
+  EXPECT_NE(left_alone, by_itself);
+  EXPECT_THROW(MakeMobifAdapt()->SetMinBlur(10), BadOption);
+}
+
 TEST(Mobif, RegionsThatShareABlurAreAboutOneImage) {
   const Views views = Film(18);
   const int w = views.blurred.cols, h = views.blurred.rows;

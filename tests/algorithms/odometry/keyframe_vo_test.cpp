@@ -338,8 +338,8 @@ Pose NoddingPose(double t_s) {
   return {RotZ(0.05 * std::sin(phase)) * steady.rotation * RotX(0.05 * std::cos(phase)), steady.translation};
 }
 
-/// What a rolling shutter makes of it, every row an instant, and what a gyroscope in the camera measures meanwhile: with
-/// a frame come the samples up to 5 ms after its stamp; its last row is read 10 ms after it.
+/// What a rolling shutter makes of it, every row an instant, and what a gyroscope in the camera measures meanwhile:
+/// with a frame come the samples up to 5 ms after its stamp; its last row is read 10 ms after it.
 Film RollingFilm(int frames) {
   Film film = FilmPath(Room(), kCamera, 0, NoddingPose);
   RandomStream random(8, "rolling");
@@ -504,6 +504,11 @@ TEST(KeyframeVo, BadOptionsAndImagesAreRefused) {
   EXPECT_THROW(KeyframeVo(rolling, options, 1), BadOption);
   options.feature = "sift";
   EXPECT_THROW(KeyframeVo(CameraAndGyro(), options, 1), BadOption) << "it knows nothing of blur";
+  options.blur_by_imu = false;
+  options.min_blur_px = 12;
+  EXPECT_THROW(KeyframeVo(OneCamera(), options, 1), BadOption) << "nor leaves it alone";
+  options.feature = "mobif";
+  EXPECT_NO_THROW(KeyframeVo(OneCamera(), options, 1));
   options = {};
   options.initializer.matching.ratio = 1.2;
   try {
