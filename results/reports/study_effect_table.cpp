@@ -97,6 +97,8 @@ std::string StudyEffectTable(const StudyReportInput& input) {
       "share "
       "its walk and count once, with the median change of their pairs; shift, interval and p go over walks.</p>\n",
       percent, input.effects->size());
+  const std::string too_few = TooFewSeeds(*input.effects, input.statistics.confidence);
+  if (!too_few.empty()) html += "<p class=\"note\"><b>" + too_few + "</b></p>\n";
   const size_t first = std::min(kOpenRows, input.effects->size());
   const size_t shown = std::min(kMaxRows, input.effects->size());
   html += "<div class=\"panel scroll\">" + EffectRows(input, 0, first) + "</div>\n";

@@ -241,6 +241,24 @@ std::string EffectText(const StudyTable& table, const StudyEffect& effect) {
   return text;
 }
 
+size_t SeedsForASureEffect(size_t comparisons, double confidence) {
+  size_t seeds = 1;
+  while (std::ldexp(double(comparisons), 1 - int(seeds)) >= 1 - confidence) ++seeds;
+  return seeds;
+}
+
+std::string TooFewSeeds(const std::vector<StudyEffect>& effects, double confidence) {
+  size_t walks = 0;
+  for (const StudyEffect& effect : effects) walks = std::max(walks, effect.walks);
+  const size_t enough = SeedsForASureEffect(effects.size(), confidence);
+  if (walks == 0 || walks >= enough) return "";
+  return fmt::format(
+      "No comparison can be sure: with {} seeds p is {:.2g} at best, before the correction for {} comparisons; {} "
+      "seeds "
+      "can make one sure.",
+      walks, std::ldexp(1.0, 1 - int(walks)), effects.size(), enough);
+}
+
 std::string EffectsCsv(const StudyTable& table, const std::vector<StudyEffect>& effects) {
   std::string text =
       "rank,axis,level,reference_level,within,metric,unit,pairs,unpaired,walks,reference_median,shift,low,high,p,"

@@ -68,6 +68,13 @@ std::string EffectsCsv(const StudyTable& table, const std::vector<StudyEffect>& 
 /// "exposure=20 vs 0", "exposure=20 vs 0, system=sift_vo".
 std::string EffectText(const StudyTable& table, const StudyEffect& effect);
 
+/// Seeds of which all must agree for the surest of so many comparisons to be sure: with n of them p is 2^(1-n) at
+/// least, Holm multiplies it by their number.
+size_t SeedsForASureEffect(size_t comparisons, double confidence);
+
+/// One sentence where there are fewer seeds than that, so that nothing can be sure whatever the scores are; else empty.
+std::string TooFewSeeds(const std::vector<StudyEffect>& effects, double confidence);
+
 /// Interval of the shift that belongs to the signed-rank test (Hollander & Wolfe, 3.3): order statistics of the means
 /// of all pairs of differences. NaN where no such interval reaches the confidence (fewer than 6 differences for 95 %).
 ConfidenceInterval ShiftInterval(const std::vector<double>& differences, double confidence);

@@ -125,6 +125,8 @@ void PrintEffects(const Study& study, const std::vector<StudyEffect>& effects, s
                              : "");
   }
   if (effects.size() > shown) fmt::print("  ... and {} more in effects.csv\n", effects.size() - shown);
+  const std::string too_few = TooFewSeeds(effects, study.options.confidence);
+  if (!too_few.empty()) fmt::print("{}\n", too_few);
 }
 
 nlohmann::ordered_json Number(double value) {

@@ -154,6 +154,27 @@ TEST(StudyEffects, HolmCorrectsForEveryComparisonAndRanksTheSurestFirst) {
 
 // Hollander & Wolfe, table of the signed-rank distribution: for n = 10 and 95.1 % the 9th smallest and largest of the
 // 55 means; for n = 5 not even the extremes reach 95 %.
+TEST(StudyEffects, AsManySeedsAsItSaysAndNoFewerCanMakeOneOfManyComparisonsSure) {
+  constexpr double kConfidence = 0.95;
+  for (const size_t comparisons : {1, 7, 96, 500}) {
+    const auto surest = [&](size_t seeds) {
+      std::vector<double> all_agree;
+      for (size_t i = 1; i <= seeds; ++i) all_agree.push_back(double(i));
+      std::vector<double> p(comparisons, 1.0);
+      p[0] = TestSignedRanks(all_agree).p_two_sided;
+      return HolmAdjusted(p)[0];
+    };
+    const size_t seeds = SeedsForASureEffect(comparisons, kConfidence);
+    EXPECT_LT(surest(seeds), 1 - kConfidence) << comparisons;
+    EXPECT_GE(surest(seeds - 1), 1 - kConfidence) << comparisons;
+    std::vector<StudyEffect> effects(comparisons);
+    effects.back().walks = seeds;
+    EXPECT_EQ(TooFewSeeds(effects, kConfidence), "");
+    effects.back().walks = seeds - 1;
+    EXPECT_THAT(TooFewSeeds(effects, kConfidence), testing::HasSubstr(std::to_string(seeds) + " seeds can make one"));
+  }
+}
+
 TEST(ShiftInterval, TakesTheOrderStatisticsOfTheExactDistribution) {
   std::vector<double> differences, means;
   for (int i = 0; i < 10; ++i) differences.push_back(std::pow(1.7, i) - 20);
