@@ -46,8 +46,10 @@ Shown ShowScore(const StudyTable& table, const Score& metric) {
 }
 
 std::vector<Shown> AllShown(const StudyTable& table) {
-  std::vector<Shown> all{{"blur_median_px", "extent of the motion blur of the walk, median over its frames", "px", 1,
-                          false, [](const StudyRun& run) { return run.blur_median_px; }}};
+  std::vector<Shown> all{
+      {"blur_median_px",
+       "length of the motion blur: of an image point's path during the exposure; median over image and frames", "px", 1,
+       false, [](const StudyRun& run) { return run.blur_median_px; }}};
   for (const Score& metric : table.metrics) all.push_back(ShowScore(table, metric));
   return all;
 }

@@ -31,7 +31,7 @@ struct PlaceQuery {
   cv::Mat image;                     ///< CV_8UC3 as filmed; with what was pasted in.
   cv::Mat view;                      ///< CV_8UC1: what is compared.
   double covered_ratio = 0;          ///< Share of the view behind pasted robots.
-  double blur_px = 0;                ///< Median extent of the motion blur.
+  double blur_px = 0;                ///< Median length of the motion blur.
 };
 
 /// All that a localisation works on.
