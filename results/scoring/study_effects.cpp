@@ -253,9 +253,8 @@ std::string TooFewSeeds(const std::vector<StudyEffect>& effects, double confiden
   const size_t enough = SeedsForASureEffect(effects.size(), confidence);
   if (walks == 0 || walks >= enough) return "";
   return fmt::format(
-      "No comparison can be sure: with {} seeds p is {:.2g} at best, before the correction for {} comparisons; {} "
-      "seeds "
-      "can make one sure.",
+      "No comparison can be sure: with {} seeds p is {:.2g} at best, before the correction for {} comparisons. "
+      "{} seeds can make one sure.",
       walks, std::ldexp(1.0, 1 - int(walks)), effects.size(), enough);
 }
 

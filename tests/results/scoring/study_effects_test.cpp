@@ -152,8 +152,6 @@ TEST(StudyEffects, HolmCorrectsForEveryComparisonAndRanksTheSurestFirst) {
   EXPECT_NEAR(study.effects[0].p_holm, std::min(1.0, study.effects[0].p * 48), 1e-12);
 }
 
-// Hollander & Wolfe, table of the signed-rank distribution: for n = 10 and 95.1 % the 9th smallest and largest of the
-// 55 means; for n = 5 not even the extremes reach 95 %.
 TEST(StudyEffects, AsManySeedsAsItSaysAndNoFewerCanMakeOneOfManyComparisonsSure) {
   constexpr double kConfidence = 0.95;
   for (const size_t comparisons : {1, 7, 96, 500}) {
@@ -175,6 +173,8 @@ TEST(StudyEffects, AsManySeedsAsItSaysAndNoFewerCanMakeOneOfManyComparisonsSure)
   }
 }
 
+// Hollander & Wolfe, table of the signed-rank distribution: for n = 10 and 95.1 % the 9th smallest and largest of the
+// 55 means; for n = 5 not even the extremes reach 95 %.
 TEST(ShiftInterval, TakesTheOrderStatisticsOfTheExactDistribution) {
   std::vector<double> differences, means;
   for (int i = 0; i < 10; ++i) differences.push_back(std::pow(1.7, i) - 20);
