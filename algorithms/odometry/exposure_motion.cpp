@@ -53,6 +53,11 @@ void ExposureMotion::AddPose(int64_t stamp_ns, const Pose& X_WC) {
   turn_acceleration2_ += kGain * (acceleration.tail<3>().squaredNorm() / 3 - turn_acceleration2_);
 }
 
+void ExposureMotion::ForgetPoses() {
+  poses_.clear();
+  velocity_W_.setZero();
+}
+
 std::vector<ExposureRotation> ExposureMotion::Rotations() const {
   if (close_ns_ <= open_ns_) return {};
   if (HasGyro()) return IntegrateRotation(readings_, imu_, open_ns_, close_ns_, kSteps);
@@ -70,7 +75,7 @@ std::vector<ExposureRotation> ExposureMotion::Rotations() const {
 
 /// The IMU goes uniformly; the camera also turns about it.
 std::vector<Pose> ExposureMotion::Path() const {
-  const Eigen::Vector3d velocity = Velocity(), p_I = OriginOfImu();
+  const Eigen::Vector3d velocity = Velocity(), p_I = MovingPoint();
   std::vector<Pose> path;
   for (const ExposureRotation& r : Rotations()) {
     const Eigen::Quaterniond R_MT = r.rotation.conjugate();
@@ -80,8 +85,7 @@ std::vector<Pose> ExposureMotion::Path() const {
   return path;
 }
 
-/// In the camera, m; without IMU the camera's own.
-Eigen::Vector3d ExposureMotion::OriginOfImu() const {
+Eigen::Vector3d ExposureMotion::MovingPoint() const {
   return HasGyro() ? imu_.X_CI.translation : Eigen::Vector3d::Zero();
 }
 
@@ -89,7 +93,6 @@ bool ExposureMotion::KnowsVelocity() const {
   return poses_.size() >= 2 && 1e-9 * double(stamp_ns_ - poses_.back().stamp_ns) <= kLongAgo_s;
 }
 
-/// Its velocity at mid-exposure, m/s in the camera.
 Eigen::Vector3d ExposureMotion::Velocity() const {
   if (!KnowsVelocity()) return Eigen::Vector3d::Zero();
   const Eigen::Vector3d velocity_W = velocity_W_ + ChangeSince(poses_.back(), stamp_ns_).velocity;
@@ -130,7 +133,7 @@ void ExposureMotion::LearnVelocity(const StampedPose& before, const StampedPose&
     force_W_ += holds_s / force_s_ * (force_W - force_W_);
   });
   const double seconds = 1e-9 * double(now.stamp_ns - before.stamp_ns);
-  const Eigen::Vector3d p_I = OriginOfImu();
+  const Eigen::Vector3d p_I = MovingPoint();
   const Change change = ChangeSince(before, now.stamp_ns);
   const Eigen::Vector3d before_W = (now.pose * p_I - before.pose * p_I - change.position) / seconds;
   constexpr double kGain = 0.25;  // of what two poses say; their errors are opposite in the next such measurement
@@ -153,7 +156,7 @@ Pose ExposureMotion::PredictPose() const {
   const Eigen::Quaterniond R_WC = last.rotation * TurnSinceLastPose();
   if (!KnowsVelocity()) return {R_WC, last.translation};
   const double seconds = 1e-9 * double(stamp_ns_ - poses_.back().stamp_ns);
-  const Eigen::Vector3d p_I = OriginOfImu();
+  const Eigen::Vector3d p_I = MovingPoint();
   const Change change = ChangeSince(poses_.back(), stamp_ns_);
   return {R_WC, last * p_I + seconds * velocity_W_ + change.position - R_WC * p_I};
 }

@@ -26,15 +26,23 @@ class ExposureMotion {
   void Add(const Observation& observation);
   /// To be told of every pose that was found.
   void AddPose(int64_t stamp_ns, const Pose& X_WC);
+  /// The next pose does not go on from the others.
+  void ForgetPoses();
 
   int64_t stamp_ns() const { return stamp_ns_; }  ///< Of the present frame.
   /// Whether the present frame's exposure was measured.
   bool HasGyro() const;
+  bool HasPose() const { return !poses_.empty(); }
   /// Rotations over the present frame's exposure against its middle; none if it took no time or nothing is known.
   std::vector<ExposureRotation> Rotations() const;
   /// Where the camera was over the present frame's exposure, at equally spaced instants, as poses that map points of
   /// the camera at mid-exposure into the camera then. None where Rotations() has none.
   std::vector<Pose> Path() const;
+  /// Of what goes uniformly for so short a time, at mid-exposure, m/s in the camera's frame: of the IMU's origin, or of
+  /// the camera where there is none; zero where nothing is known.
+  Eigen::Vector3d Velocity() const;
+  /// Of what Velocity() is, in the camera's frame, m.
+  Eigen::Vector3d MovingPoint() const;
   /// From the present frame's camera into the last frame's that had a pose; the identity where nothing is known.
   Eigen::Quaterniond TurnSinceLastPose() const;
   /// Where the present frame's camera is: turned since the last pose, and, if that is less than 0.3 s old, moved.
@@ -66,9 +74,7 @@ class ExposureMotion {
   void IntegrateForce(const StampedPose& from, int64_t to_ns, Visit visit) const;
   Change ChangeSince(const StampedPose& from, int64_t to_ns) const;
   void LearnVelocity(const StampedPose& before, const StampedPose& now);
-  Eigen::Vector3d OriginOfImu() const;
   bool KnowsVelocity() const;
-  Eigen::Vector3d Velocity() const;
 
   ImuCalibration imu_;
   bool use_imu_;

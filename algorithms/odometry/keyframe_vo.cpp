@@ -12,13 +12,13 @@
 #include "algorithms/features/blur_aware_feature.h"
 #include "algorithms/features/psf_inertial.h"
 #include "algorithms/geometry/gyro_turn.h"
+#include "algorithms/geometry/shutter_turn.h"
 #include "algorithms/geometry/up_direction.h"
 #include "algorithms/odometry/floor_prior.h"
 #include "algorithms/odometry/frame_records.h"
 #include "algorithms/odometry/keyframe_map.h"
 #include "algorithms/odometry/mean_velocity.h"
 #include "algorithms/odometry/metric_scale.h"
-#include "algorithms/odometry/shutter_turn.h"
 
 namespace gaitcam {
 namespace {

@@ -7,6 +7,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/planar_pose.h"
 #include "algorithms/core/units.h"
+#include "algorithms/geometry/shutter_turn.h"
 #include "algorithms/planes/alignment_image.h"
 
 namespace gaitcam {
@@ -15,7 +16,8 @@ FloorTracker::FloorTracker(const Calibration& calibration, const FloorTrackerOpt
     : calibration_(calibration),
       options_(options),
       undistortion_(calibration.camera),
-      aligner_(undistortion_.camera(), options.alignment) {
+      aligner_(undistortion_.camera(), options.alignment),
+      motion_(calibration.imu, options.use_imu) {
   CheckFields(options, "floor_tracker.");
   if (!calibration.standing) {
     throw BadInput("the calibration does not say how high the camera stands (standing: height_m, up_C)");
@@ -24,10 +26,11 @@ FloorTracker::FloorTracker(const Calibration& calibration, const FloorTrackerOpt
 }
 
 FloorTrack FloorTracker::Track(const Observation& observation) {
-  grey_ = undistortion_.Grey(observation.image.pixels);
-  image_ = aligner_.MakePyramid(AlignmentImage(grey_));
   const Turn turn = Integrate(observation);
   FollowGravity(observation);
+  motion_.Add(observation);
+  grey_ = undistortion_.Grey(observation.image.pixels, RollingShutter(observation));
+  image_ = aligner_.MakePyramid(AlignmentImage(grey_));
   FloorTrack track;
   cv::Mat rejected;
   const FloorTrackerState before = state_;
@@ -38,6 +41,7 @@ FloorTrack FloorTracker::Track(const Observation& observation) {
       track.retired = keyframe_->Retired();
     }
     Restart(observation, rejected, track);
+    motion_.ForgetPoses();
   } else if (event != Event::kMissed) {
     track.tracked = state_ == FloorTrackerState::kTracking;
     track.restarted = before == FloorTrackerState::kRestarted;
@@ -47,6 +51,7 @@ FloorTrack FloorTracker::Track(const Observation& observation) {
       X_WC_dead_ = track.X_WC;
     }
   }
+  if (event != Event::kMissed) motion_.AddPose(observation.stamp_ns, track.X_WC);
   X_WC_ = track.X_WC;
   last_ns_ = observation.stamp_ns;
   return track;
@@ -77,6 +82,22 @@ void FloorTracker::FollowGravity(const Observation& observation) {
   gravity_->Add(observation.imu, gyro_->bias());
 }
 
+/// Empty where the shutter does not roll, or the gyroscope did not measure it.
+SeenAtRow FloorTracker::RollingShutter(const Observation& observation) const {
+  if (!options_.shutter_by_imu || !gyro_ || !(calibration_.readout_ms > 0)) return {};
+  const auto shutter = ShutterTurn::Measure(*gyro_, observation.stamp_ns, calibration_.readout_ms);
+  if (!shutter) return {};
+  Eigen::Vector3d normal_d = Eigen::Vector3d::Zero();  // of the floor, 1/m; zero: it is infinitely far
+  if (motion_.HasPose()) normal_d = FloorPlaneState(motion_.PredictPose()).normal_d;
+  const Eigen::Vector3d moved = 1e-3 * calibration_.readout_ms * motion_.Velocity(), p = motion_.MovingPoint();
+  return [turn = *shutter, normal_d, moved, p](const Eigen::Vector3d& ray_S, double row) -> Eigen::Vector3d {
+    const Eigen::Quaterniond R_ST = turn.R_ST(row);
+    const Eigen::Vector3d p_ST = (row - 0.5) * moved + p - R_ST * p;
+    const double inverse_depth = std::max(0.0, normal_d.dot(ray_S));
+    return R_ST.conjugate() * (ray_S - inverse_depth * p_ST);
+  };
+}
+
 /// By the accelerometer, or as the camera stands where there is none.
 const Eigen::Vector3d& FloorTracker::UpC() const { return gravity_ ? gravity_->up_C() : calibration_.standing->up_C; }
 
@@ -86,7 +107,7 @@ FloorTrackerEvent FloorTracker::Initialize(const Observation& observation, Floor
   track.X_WC = Upright(level, UpC(), calibration_.standing->height_m);
   track.X_WC = BelowCamera(track.X_WC).Inverse().Lifted() * track.X_WC;
   X_WC_ = track.X_WC;
-  MakeKeyframe(observation.stamp_ns, track.X_WC, ExposureMotion::Zero(), {});
+  MakeKeyframe(observation.stamp_ns, track.X_WC, BlurMotion::Zero(), {});
   track.keyframe = keyframe_->id;
   track.points = track.inliers = int(keyframe_->pixels.points.front().size());
   if (track.points >= options_.min_points) return Event::kAligned;
@@ -156,7 +177,7 @@ FloorTrack FloorTracker::Described(const Attempt& attempt) const {
   track.inliers = attempt.alignment.inliers;
   track.X_WC = X_WK * state.X_CR.Inverse();
   track.covariance = PlanarCovariance(track.X_WC, CovarianceOfInverse(state.X_CR, attempt.alignment.motion_covariance));
-  const ExposureMotion motion = attempt.blur.Motion(state.X_CR);
+  const BlurMotion motion = attempt.blur.Motion(state.X_CR);
   const Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ() / std::max(0.1 * n_d.norm(), (state.X_CR.R() * n_d).z());
   track.blur_px = camera().fx / ahead.z() * (motion.head<3>() + motion.tail<3>().cross(ahead)).head<2>().norm();
   return track;
@@ -222,15 +243,14 @@ void FloorTracker::Restart(const Observation& observation, const cv::Mat& reject
   const double gone_s = double(observation.stamp_ns - tracked_ns_) * 1e-9;
   const double turn_rad_s = gyro_ && gyro_->has_samples() ? kGyroTurn_rad_s : kTurn_rad_s;
   track.X_WC = Upright(X_WC_dead_, UpC(), calibration_.standing->height_m);
-  MakeKeyframe(observation.stamp_ns, track.X_WC, ExposureMotion::Zero(), rejected);
+  MakeKeyframe(observation.stamp_ns, track.X_WC, BlurMotion::Zero(), rejected);
   const Eigen::Vector3d sigma = gone_s * Eigen::Vector3d(kSpeed_m_s, kSpeed_m_s, turn_rad_s);
   keyframe_->covariance = sigma.cwiseAbs2().asDiagonal();
   X_last_ = Pose();
 }
 
 /// @param rejected where the image is known to show something other than floor; may be empty.
-void FloorTracker::MakeKeyframe(int64_t stamp_ns, const Pose& X_WC, const ExposureMotion& blur,
-                                const cv::Mat& rejected) {
+void FloorTracker::MakeKeyframe(int64_t stamp_ns, const Pose& X_WC, const BlurMotion& blur, const cv::Mat& rejected) {
   FloorReference keyframe;
   keyframe.mask = FloorMask(camera(), X_WC, options_.range_heights);
   if (!rejected.empty()) keyframe.mask.setTo(0, rejected);

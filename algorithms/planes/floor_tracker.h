@@ -15,6 +15,7 @@
 #include "algorithms/core/observation.h"
 #include "algorithms/geometry/gyro_turn.h"
 #include "algorithms/geometry/up_direction.h"
+#include "algorithms/odometry/exposure_motion.h"
 #include "algorithms/planes/floor_keyframe.h"
 #include "algorithms/planes/undistortion.h"
 
@@ -41,6 +42,9 @@ struct FloorTrackerOptions {
   double tilt_sigma_deg = 0.15;        ///< Of a new keyframe's plane.
   double tilt_gain = 0.01;             ///< Part of the tilt's difference from gravity's corrected per keyframe.
   bool use_imu = true;                 ///< Rotation by the gyroscope, up by the accelerometer, where there is an IMU.
+  /// Correct a rolling shutter: rotation within a readout by the gyroscope (ShutterTurn), translation over the floor by
+  /// the poses before and the accelerometer (ExposureMotion). Needs `use_imu`; without an IMU images stay as they are.
+  bool shutter_by_imu = true;
 };
 
 template <class Visitor>
@@ -64,6 +68,7 @@ void VisitFields(Visitor& visit, FloorTrackerOptions& o) {
   visit("tilt_sigma_deg", o.tilt_sigma_deg, Between(0.001, 45.0), "of a new keyframe's plane");
   visit("tilt_gain", o.tilt_gain, Between(0.0, 1.0), "part of the difference from gravity taken back");
   visit("use_imu", o.use_imu, Nested(), "turn by the gyroscope, up by the accelerometer");
+  visit("shutter_by_imu", o.shutter_by_imu, Nested(), "correct a rolling shutter by the gyroscope, where there is one");
 }
 
 /// What the tracker knows of its pose.
@@ -161,12 +166,13 @@ class FloorTracker {
   Event Succeed(const Observation& observation, const Attempt& attempt, FloorTrack& track, cv::Mat& rejected);
   void Restart(const Observation& observation, const cv::Mat& rejected, FloorTrack& track);
 
+  SeenAtRow RollingShutter(const Observation& observation) const;
   void TurnOn(const Observation& observation, const Turn& turn);
   Attempt Align(const Observation& observation, const Turn& turn) const;
   FloorTrack Described(const Attempt& attempt) const;
   bool IsPlausible(const Attempt& attempt, const FloorTrack& track) const;
   bool IsDue(const FloorTrack& track, double inside_ratio) const;
-  void MakeKeyframe(int64_t stamp_ns, const Pose& X_WC, const ExposureMotion& blur, const cv::Mat& rejected);
+  void MakeKeyframe(int64_t stamp_ns, const Pose& X_WC, const BlurMotion& blur, const cv::Mat& rejected);
   Pose Corrected(const Pose& X_WC) const;
 
   Calibration calibration_;
@@ -175,6 +181,7 @@ class FloorTracker {
   PlaneAligner aligner_;
   std::optional<GyroTurn> gyro_;        ///< Of robots with an IMU, as is ...
   std::optional<UpDirection> gravity_;  ///< ... this, from the first sample on.
+  ExposureMotion motion_;               ///< Since the last loss.
 
   FloorTrackerState state_ = FloorTrackerState::kInitializing;
   std::optional<FloorReference> keyframe_;

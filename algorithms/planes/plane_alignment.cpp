@@ -116,7 +116,7 @@ PlaneAligner::PlaneAligner(const CameraModel& camera, const PlaneAlignmentOption
 
 PlaneReference PlaneAligner::MakeReference(const cv::Mat& image, const cv::Mat& mask) const {
   GAITCAM_ASSERT(mask.type() == CV_8UC1 && mask.size() == image.size());
-  PlaneReference reference{MakePyramid(image), {}, ExposureMotion::Zero()};
+  PlaneReference reference{MakePyramid(image), {}, BlurMotion::Zero()};
   for (size_t k = 0; k < reference.pyramid.levels.size(); ++k) {
     reference.points.push_back(SelectPixels(reference.pyramid.levels[k], mask, k, size_t(options_.max_points)));
   }

@@ -13,13 +13,13 @@ namespace gaitcam {
 
 /// The motion that static points make in the camera's frame while the shutter is open: (rho, phi), to first order
 /// rho + phi x p for a point p.
-using ExposureMotion = Vector6d;
+using BlurMotion = Vector6d;
 
 /// The reference image and those of its pixels that lie on the plane.
 struct PlaneReference {
   ImagePyramid pyramid;
   std::vector<std::vector<Eigen::Vector2d>> points;  ///< Per level, px of that level.
-  ExposureMotion blur = ExposureMotion::Zero();      ///< Of the reference image.
+  BlurMotion blur = BlurMotion::Zero();              ///< Of the reference image.
 };
 
 /// Up to `max_points` pixels of largest gradient, spread over the image: every block of 8 x 8 px gives its best one

@@ -9,9 +9,9 @@ namespace gaitcam {
 using internal::ToPixel;
 using internal::ToRay;
 
-ExposureMotion CurrentBlur::Motion(const Pose& X_CR) const {
-  if (ratio == 0) return ExposureMotion::Zero();
-  ExposureMotion motion = ratio * LogSe3(X_CR * X_RP);
+BlurMotion CurrentBlur::Motion(const Pose& X_CR) const {
+  if (ratio == 0) return BlurMotion::Zero();
+  BlurMotion motion = ratio * LogSe3(X_CR * X_RP);
   if (turn) motion.tail<3>() = -*turn;
   return motion;
 }
@@ -40,7 +40,7 @@ PlaneResiduals::PlaneResiduals(const CameraModel& camera, int max_blur_samples, 
   M_inverse_ = M_.inverse();
 }
 
-Eigen::Vector2d PlaneResiduals::Path(const Eigen::Vector3d& p, const ExposureMotion& motion) const {
+Eigen::Vector2d PlaneResiduals::Path(const Eigen::Vector3d& p, const BlurMotion& motion) const {
   const Eigen::Vector3d displacement = motion.head<3>() + motion.tail<3>().cross(p);
   return PixelJacobian(p) * displacement;
 }

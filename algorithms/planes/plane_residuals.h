@@ -24,7 +24,7 @@ struct CurrentBlur {
                                         ///< gyroscope; without it, the velocity since P is extrapolated.
 
   CurrentBlur(double ratio = 0) : ratio(ratio) {}  // NOLINT: a ratio alone is the common case
-  ExposureMotion Motion(const Pose& X_CR) const;
+  BlurMotion Motion(const Pose& X_CR) const;
 };
 
 /// Residual of one reference pixel.
@@ -55,7 +55,7 @@ class PlaneResiduals {
     Eigen::Matrix3d R, H, Mz;  ///< Mz: derivative of n_d by the logarithms of the inverse depths.
     Eigen::Vector3d t, n_d;
     double gain, offset;
-    ExposureMotion blur;
+    BlurMotion blur;
     bool blurred;
   };
   Shared SharedOf(const PlaneState& state) const;
@@ -65,14 +65,14 @@ class PlaneResiduals {
   std::optional<ImageSample> Average(const PyramidLevel& level, const Eigen::Vector2d& p,
                                      const Eigen::Vector2d& path) const;
   /// Displacement in the image during an exposure, px, of the point p (camera frame, m).
-  Eigen::Vector2d Path(const Eigen::Vector3d& p, const ExposureMotion& motion) const;
+  Eigen::Vector2d Path(const Eigen::Vector3d& p, const BlurMotion& motion) const;
 
   const CameraModel& camera_;
   int max_blur_samples_;
   const PyramidLevel& reference_;
   const PyramidLevel& current_;
   const std::vector<Eigen::Vector2d>& points_;
-  const ExposureMotion& reference_blur_;
+  const BlurMotion& reference_blur_;
   const CurrentBlur& blur_;
   double scale_, fx_, fy_;             ///< Focal lengths in pixels of this level.
   std::vector<Eigen::Vector3d> rays_;  ///< Of the points.

@@ -107,6 +107,22 @@ inline cv::Mat Draw(const DrawnFloor& floor, const std::vector<Pose>& exposure, 
   return Draw(floor, exposure, DrawOptions{SmallCamera(), noise_grey, seed, 1, obstacle});
 }
 
+/// By a rolling shutter, without blur.
+/// @param at pose at a time after the stamp, s; the row in the middle is exposed at 0
+template <class PoseAt>
+cv::Mat DrawRolling(const DrawnFloor& floor, const PoseAt& at, double readout_s) {
+  const CameraModel camera = SmallCamera();
+  cv::Mat image(camera.height_px, camera.width_px, CV_8UC1);
+  for (int v = 0; v < image.rows; ++v) {
+    const Pose X_WC = at(readout_s * (v / (image.rows - 1.0) - 0.5));
+    for (int u = 0; u < image.cols; ++u) {
+      const Eigen::Vector3d ray = X_WC.rotation * camera.Unproject({double(u), double(v)});
+      image.at<uchar>(v, u) = cv::saturate_cast<uchar>(Shade(floor, X_WC, ray, {}));
+    }
+  }
+  return image;
+}
+
 inline Observation Observe(const cv::Mat& image, int frame, double exposure_ms = 0) {
   Observation observation;
   observation.stamp_ns = 1'000'000'000 + frame * 33'333'333LL;

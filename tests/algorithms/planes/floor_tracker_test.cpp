@@ -162,6 +162,55 @@ TEST(FloorTracker, LearnsTheGyroscopesBiasAndKeepsItsHeadingThroughALoss) {
   EXPECT_LT(std::abs(off_rad) * 180 / std::numbers::pi, 0.5);
 }
 
+/// A frame's, of an IMU in the camera that goes along Walking(): 200 Hz, up to the stamp.
+std::vector<ImuSample> ImuOfTheWalk(int frame) {
+  constexpr double kFrame_s = 1 / 30.0, kStep_s = 1e-3;
+  const auto at = [](double t_s) { return Walking(t_s / kFrame_s); };
+  std::vector<ImuSample> samples;
+  for (int k = 6; k >= 0; --k) {
+    const double t_s = frame * kFrame_s - k * 5e-3;
+    const Pose before = at(t_s - kStep_s), now = at(t_s), after = at(t_s + kStep_s);
+    const Eigen::Vector3d acceleration_W =
+        (after.translation - 2 * now.translation + before.translation) / (kStep_s * kStep_s);
+    samples.push_back({Observe({}, frame).stamp_ns - k * 5'000'000LL,
+                       LogSo3(before.rotation.conjugate() * after.rotation) / (2 * kStep_s),
+                       now.rotation.conjugate() * (acceleration_W + kGravity_m_s2 * Eigen::Vector3d::UnitZ())});
+  }
+  return samples;
+}
+
+/// Frames of a walk that were aligned, and the error of the last one's position on the floor.
+std::pair<int, double> FollowRolling(double readout_s, const FloorTrackerOptions& options = {}) {
+  const DrawnFloor floor(12);
+  Calibration calibration = DrawnCalibration();
+  calibration.imu.rate_hz = 200;
+  calibration.readout_ms = 1e3 * readout_s;
+  FloorTracker tracker(calibration, options);
+  std::pair<int, double> found{0, 0};
+  for (int i = 0; i < 60; ++i) {
+    Observation observation = Observe(DrawRolling(
+                                          floor, [&](double t_s) { return Walking(i + 30 * t_s); }, readout_s),
+                                      i);
+    observation.imu = ImuOfTheWalk(i);
+    const FloorTrack track = tracker.Track(observation);
+    found.first += track.tracked;
+    found.second = (track.X_WC.translation - InItsWorld(Walking(i)).translation).head<2>().norm();
+  }
+  return found;
+}
+
+TEST(FloorTracker, ARollingShutterIsUndone) {
+  constexpr double kReadout_s = 0.02;
+  FloorTrackerOptions as_it_rolls;
+  as_it_rolls.shutter_by_imu = false;
+  const double error_global_m = FollowRolling(0).second;
+  const auto [tracked, error_m] = FollowRolling(kReadout_s);
+  const auto [tracked_rolling, error_rolling_m] = FollowRolling(kReadout_s, as_it_rolls);
+  EXPECT_EQ(tracked, 60);
+  EXPECT_LT(error_m, error_global_m + 0.003) << "half a percent of the 0.59 m walked";
+  EXPECT_GT(error_rolling_m, 5 * error_m) << "with " << tracked_rolling << " frames tracked";
+}
+
 TEST(FloorTracker, ARotationThatTheGyroscopeDoesNotMeasureIsRejected) {
   // The floor itself turns under the standing robot, as only something that is no floor does.
   const DrawnFloor floor(9);

@@ -268,7 +268,7 @@ TEST(PlaneAlignment, AnotherFloorIsNotTakenForThisOne) {
 }
 
 /// The image of an exposure about the state's pose.
-cv::Mat RenderBlurred(const DrawnFloor& floor, const PlaneState& middle, const ExposureMotion& motion) {
+cv::Mat RenderBlurred(const DrawnFloor& floor, const PlaneState& middle, const BlurMotion& motion) {
   constexpr int kInstants = 15;
   std::vector<Pose> exposure;
   for (int i = 0; i < kInstants; ++i) {

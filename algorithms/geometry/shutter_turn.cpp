@@ -1,4 +1,4 @@
-#include "algorithms/odometry/shutter_turn.h"
+#include "algorithms/geometry/shutter_turn.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,12 +40,16 @@ std::optional<ShutterTurn> ShutterTurn::Measure(const GyroTurn& gyro, int64_t st
 }
 
 Eigen::Vector2d ShutterTurn::AtStamp(const Eigen::Vector2d& xy, double row) const {
+  return (R_ST(row) * xy.homogeneous()).hnormalized();
+}
+
+Eigen::Quaterniond ShutterTurn::R_ST(double row) const {
   const int intervals = int(turns_.size()) - 1;
   const double at = std::clamp(row, 0.0, 1.0) * intervals;
   const int before = std::min(int(at), intervals - 1);
   const Eigen::Vector3d turn =
       turns_[size_t(before)] + (at - before) * (turns_[size_t(before) + 1] - turns_[size_t(before)]);
-  return (ExpSo3(turn) * xy.homogeneous()).hnormalized();
+  return ExpSo3(turn);
 }
 
 }  // namespace gaitcam

@@ -1,4 +1,4 @@
-#include "algorithms/odometry/shutter_turn.h"
+#include "algorithms/geometry/shutter_turn.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-/// Correction of a rolling shutter by the gyroscope: a key point is seen when its row is exposed, up to half the
-/// readout before or after the frame's stamp, and a pose is of the stamp.
+/// Correction of a rolling shutter by the gyroscope: a point is seen when its row is exposed, up to half the readout
+/// before or after the frame's stamp, and a pose is of the stamp.
 ///
 /// Rotation alone, as in Karpenko, Jacobs, Baek and Levoy, Stanford CSTR 2011-03: how far the camera moves within a
-/// readout is left in, as it needs the points' depths.
+/// readout needs the points' depths, and is left to those who know them.
 
 #pragma once
 
@@ -30,6 +30,8 @@ class ShutterTurn {
   /// @param xy  where it was seen, undistorted normalised image coordinates
   /// @param row 0: in the first row, 1: in the last
   Eigen::Vector2d AtStamp(const Eigen::Vector2d& xy, double row) const;
+  /// R_ST: S is the camera at the stamp, T when that row was exposed.
+  Eigen::Quaterniond R_ST(double row) const;
 
  private:
   ShutterTurn() = default;
