@@ -73,11 +73,19 @@ std::vector<ExposureRotation> ExposureMotion::Rotations() const {
   return rotations;
 }
 
+std::vector<Pose> ExposureMotion::Path() const { return PathAt(Rotations()); }
+
+std::vector<Pose> ExposureMotion::ReadoutPath(double readout_ms) const {
+  const int64_t half_ns = std::llround(0.5 * readout_ms * kNsPerMs);
+  if (half_ns <= 0 || !HasGyro()) return {};
+  return PathAt(IntegrateRotation(readings_, imu_, stamp_ns_ - half_ns, stamp_ns_ + half_ns, kSteps));
+}
+
 /// The IMU goes uniformly; the camera also turns about it.
-std::vector<Pose> ExposureMotion::Path() const {
+std::vector<Pose> ExposureMotion::PathAt(const std::vector<ExposureRotation>& rotations) const {
   const Eigen::Vector3d velocity = Velocity(), p_I = MovingPoint();
   std::vector<Pose> path;
-  for (const ExposureRotation& r : Rotations()) {
+  for (const ExposureRotation& r : rotations) {
     const Eigen::Quaterniond R_MT = r.rotation.conjugate();
     const double seconds = 1e-9 * double(r.stamp_ns - stamp_ns_);
     path.push_back(Pose(R_MT, velocity * seconds + p_I - R_MT * p_I).Inverse());

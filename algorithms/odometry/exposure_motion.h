@@ -38,6 +38,9 @@ class ExposureMotion {
   /// Where the camera was over the present frame's exposure, at equally spaced instants, as poses that map points of
   /// the camera at mid-exposure into the camera then. None where Rotations() has none.
   std::vector<Pose> Path() const;
+  /// The same at the instants at which rows are exposed, evenly spaced from the first to the last, if a shutter rolls
+  /// for so long about the frame's stamp. None where the IMU did not measure it, or nothing rolls.
+  std::vector<Pose> ReadoutPath(double readout_ms) const;
   /// Of what goes uniformly for so short a time, at mid-exposure, m/s in the camera's frame: of the IMU's origin, or of
   /// the camera where there is none; zero where nothing is known.
   Eigen::Vector3d Velocity() const;
@@ -75,6 +78,7 @@ class ExposureMotion {
   Change ChangeSince(const StampedPose& from, int64_t to_ns) const;
   void LearnVelocity(const StampedPose& before, const StampedPose& now);
   bool KnowsVelocity() const;
+  std::vector<Pose> PathAt(const std::vector<ExposureRotation>& rotations) const;
 
   ImuCalibration imu_;
   bool use_imu_;

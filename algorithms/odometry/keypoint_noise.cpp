@@ -41,6 +41,23 @@ Eigen::Matrix2d BlurSpread(const CameraModel& camera, const std::vector<Pose>& p
   return spread;
 }
 
+Eigen::Vector2d RowOffset(const CameraModel& camera, const std::vector<Pose>& readout, const Eigen::Vector2d& seen,
+                          double inverse_depth) {
+  if (readout.size() < 2) return Eigen::Vector2d::Zero();
+  const size_t intervals = readout.size() - 1;
+  const double at = std::clamp(seen.y() / std::max(1.0, camera.height_px - 1.0), 0.0, 1.0) * double(intervals);
+  const size_t before = std::min(size_t(at), intervals - 1);
+  const std::vector<Pose> around = {readout[before], readout[before + 1]};
+  Eigen::Vector2d offset = Eigen::Vector2d::Zero();
+  constexpr int kIterations = 2;  // where it was at the stamp is not known before
+  for (int i = 0; i < kIterations; ++i) {
+    const std::vector<Eigen::Vector2d> light = LightPath(camera, around, seen - offset, inverse_depth);
+    if (light.size() < 2) return Eigen::Vector2d::Zero();
+    offset = light[0] + (at - double(before)) * (light[1] - light[0]);
+  }
+  return offset;
+}
+
 Eigen::Vector2d BlurOffset(const CameraModel& camera, const std::vector<Pose>& path, const Eigen::Vector2d& pixel,
                            double inverse_depth, double sigma_px) {
   const std::vector<Eigen::Vector2d> light = LightPath(camera, path, pixel, inverse_depth);

@@ -81,6 +81,14 @@ Eigen::Matrix2d BlurSpread(const CameraModel& camera, const std::vector<Pose>& p
 Eigen::Vector2d BlurOffset(const CameraModel& camera, const std::vector<Pose>& path, const Eigen::Vector2d& pixel,
                            double inverse_depth, double sigma_px);
 
+/// Where a rolling shutter saw a point against where it was at the frame's stamp, px.
+/// @param readout of this camera when rows were exposed, evenly spaced from the first to the last: each maps points of
+/// the camera at the stamp into the camera then. Empty: nothing rolls
+/// @param seen in the image
+/// @param inverse_depth as of BlurSpread
+Eigen::Vector2d RowOffset(const CameraModel& camera, const std::vector<Pose>& readout, const Eigen::Vector2d& seen,
+                          double inverse_depth);
+
 /// Standard deviation of an image's noise, in grey levels, by what a difference of Laplacians leaves of the scene
 /// (J. Immerkaer, "Fast noise variance estimation", CVIU 64, 1996); fine texture counts as noise. 0 below 3 x 3 px.
 double ImageNoise(const cv::Mat& grey);

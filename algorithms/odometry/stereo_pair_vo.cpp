@@ -62,8 +62,8 @@ class StereoPairVo::Loop {
 PointCloud StereoPairVo::Loop::Reconstruct(const Observation& observation, int& features) {
   StereoView view = DetectInBoth(observation, rig_, *detector_, options_.max_features);
   features = int(view.left.size());
-  UndoBlur(rig_.left, {}, {}, ScaleAlone(), view.left);
-  UndoBlur(rig_.right, {}, {}, ScaleAlone(), view.right);
+  UndoMotion(rig_.left, {}, {}, ScaleAlone(), view.left);
+  UndoMotion(rig_.right, {}, {}, ScaleAlone(), view.right);
   if (is_first_) RefuseSwapped(rig_, view);
   view.partner = MatchStereo(rig_, view.left, view.right, options_.stereo);
   ReconstructionOptions algebraic;

@@ -142,18 +142,27 @@ void RefuseSwapped(const StereoRig& rig, const StereoView& view) {
   }
 }
 
-void UndoBlur(const CameraModel& camera, const std::vector<Pose>& path, const std::vector<double>& inverse_depths,
-              const KeypointNoiseOptions& noise, CameraFeatures& features) {
+ImageMotion ImageMotion::Of(const Pose& X_TO) const {
+  ImageMotion other = *this;
+  for (std::vector<Pose>* poses : {&other.exposure, &other.readout}) {
+    for (Pose& X_TM : *poses) X_TM = X_TO.Inverse() * X_TM * X_TO;
+  }
+  return other;
+}
+
+void UndoMotion(const CameraModel& camera, const ImageMotion& motion, const std::vector<double>& inverse_depths,
+                const KeypointNoiseOptions& noise, CameraFeatures& features) {
   const Eigen::Matrix2d per_focal = Eigen::Vector2d(1 / camera.fx, 1 / camera.fy).asDiagonal();
   features.covariance_px.clear();
   features.covariance.clear();
   for (size_t i = 0; i < features.size(); ++i) {
     const cv::KeyPoint& keypoint = features.features.keypoints[i];
     const double inverse_depth = inverse_depths.empty() ? 0 : inverse_depths[i];
-    const Eigen::Vector2d seen(keypoint.pt.x, keypoint.pt.y);
-    const Eigen::Matrix2d spread = BlurSpread(camera, path, seen, inverse_depth);
+    Eigen::Vector2d seen(keypoint.pt.x, keypoint.pt.y);
+    seen -= RowOffset(camera, motion.readout, seen, inverse_depth);
+    const Eigen::Matrix2d spread = BlurSpread(camera, motion.exposure, seen, inverse_depth);
     const Eigen::Vector2d pixel =
-        seen - BlurOffset(camera, path, seen, inverse_depth, noise.offset_scale * keypoint.size);
+        seen - BlurOffset(camera, motion.exposure, seen, inverse_depth, noise.offset_scale * keypoint.size);
     features.pixel[i] = pixel;
     features.xy[i] = camera.Unproject(pixel).head<2>();
     features.covariance_px.push_back(KeypointCovariance(keypoint, spread, features.noise_px[i], noise));

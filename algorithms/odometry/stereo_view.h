@@ -45,6 +45,16 @@ struct CameraFeatures {
   size_t size() const { return xy.size(); }
 };
 
+/// How a camera moved while an image was taken. Poses map points of the camera at mid-exposure of the row in the
+/// middle, which is the frame's stamp, into the camera at another instant.
+struct ImageMotion {
+  std::vector<Pose> exposure;  ///< Over the exposure, as of BlurSpread; empty: as if nothing had moved.
+  std::vector<Pose> readout;   ///< When rows were exposed, as of RowOffset; empty: all at once.
+
+  /// Of a camera fixed to this one, X_(this)(other).
+  ImageMotion Of(const Pose& X_TO) const;
+};
+
 struct StereoView {
   CameraFeatures left, right;
   std::vector<int> partner;     ///< Of each left feature the right one; -1: none.
@@ -69,14 +79,14 @@ bool IsPair(const Observation& observation, bool is_first);
 StereoView DetectInBoth(const Observation& observation, const StereoRig& rig, cv::Feature2D& detector,
                         int max_features);
 
-/// @throws BadInput if left and right images are swapped, as their matches by descriptors alone tell. @pre UndoBlur.
+/// @throws BadInput if left and right images are swapped, as their matches by descriptors alone tell. @pre UndoMotion.
 void RefuseSwapped(const StereoRig& rig, const StereoView& view);
 
-/// Moves each feature to where its point was at mid-exposure, and says how exactly it is known. May be repeated.
-/// @param path of this camera over the exposure, as of BlurSpread; empty: as if nothing had moved
+/// Moves each feature to where its point was at mid-exposure of the row in the middle, and says how exactly it is
+/// known. May be repeated.
 /// @param inverse_depths of each feature, 1/m; empty: all far
-void UndoBlur(const CameraModel& camera, const std::vector<Pose>& path, const std::vector<double>& inverse_depths,
-              const KeypointNoiseOptions& noise, CameraFeatures& features);
+void UndoMotion(const CameraModel& camera, const ImageMotion& motion, const std::vector<double>& inverse_depths,
+                const KeypointNoiseOptions& noise, CameraFeatures& features);
 
 /// Of each left feature, 1/m: by its partner, or that of the nearest feature in the image that has one. Empty where
 /// none has.

@@ -46,6 +46,7 @@ class StereoVo::Tracker {
  public:
   Tracker(const Calibration& calibration, const StereoVoOptions& options, uint64_t seed)
       : rig_(StereoRig::Of(calibration)),
+        readout_ms_(options.shutter_by_imu ? calibration.readout_ms : 0),
         options_(options),
         detector_(MakeFeature2d(options.feature, options.sensitivity)),
         random_(seed, "stereo_vo"),
@@ -86,7 +87,7 @@ class StereoVo::Tracker {
   };
 
   std::optional<StereoView> View(const Observation& observation);
-  void UndoBlurOfNear(const std::vector<Pose>& of_left, const std::vector<Pose>& of_right, StereoView& view) const;
+  void UndoMotionOfNear(const ImageMotion& of_left, const ImageMotion& of_right, StereoView& view) const;
   bool Begin(const StereoView& view, Record& record);
   bool Localize(const StereoView& view, Record& record);
   std::optional<Localized> FindPose(const StereoView& view);
@@ -109,7 +110,8 @@ class StereoVo::Tracker {
   void FinishBefore(int keyframe);
   void FinishRecord(Record& record);
 
-  StereoRig rig_;  ///< As calibrated.
+  StereoRig rig_;      ///< As calibrated.
+  double readout_ms_;  ///< To be undone; 0: nothing is.
   StereoVoOptions options_;
   RigPoseOptions pose_options_;
   cv::Ptr<cv::Feature2D> detector_;
@@ -154,30 +156,28 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
 std::optional<StereoView> StereoVo::Tracker::View(const Observation& observation) {
   if (!IsPair(observation, records_.empty())) return {};
   StereoView view = DetectInBoth(observation, rig_, *detector_, options_.max_features);
-  const std::vector<Pose> path = motion_.Path();
-  std::vector<Pose> of_right = path;
-  const Pose X_LR = map_.rig().X_LR;
-  for (Pose& X_TM : of_right) X_TM = X_LR.Inverse() * X_TM * X_LR;
-  UndoBlur(rig_.left, path, {}, options_.noise, view.left);
-  UndoBlur(rig_.right, of_right, {}, options_.noise, view.right);
+  const ImageMotion of_left{motion_.Path(), motion_.ReadoutPath(readout_ms_)};
+  const ImageMotion of_right = of_left.Of(map_.rig().X_LR);
+  UndoMotion(rig_.left, of_left, {}, options_.noise, view.left);
+  UndoMotion(rig_.right, of_right, {}, options_.noise, view.right);
   view.partner = MatchStereo(map_.rig(), view.left, view.right, options_.stereo);
-  UndoBlurOfNear(path, of_right, view);
+  UndoMotionOfNear(of_left, of_right, view);
   view.points_per_error = PointsPerError(view.left.features.keypoints, view.left.covariance_px, options_.noise);
   if (records_.empty()) RefuseSwapped(rig_, view);
   return view;
 }
 
 /// Now that depths are known. Partners have much the same one.
-void StereoVo::Tracker::UndoBlurOfNear(const std::vector<Pose>& of_left, const std::vector<Pose>& of_right,
-                                       StereoView& view) const {
+void StereoVo::Tracker::UndoMotionOfNear(const ImageMotion& of_left, const ImageMotion& of_right,
+                                         StereoView& view) const {
   const std::vector<double> inverse_depths = InverseDepths(map_.rig(), view);
-  if (of_left.empty() || inverse_depths.empty()) return;
+  if ((of_left.exposure.empty() && of_left.readout.empty()) || inverse_depths.empty()) return;
   std::vector<double> right(view.right.size(), 0);
   for (size_t i = 0; i < view.left.size(); ++i) {
     if (view.partner[i] >= 0) right[size_t(view.partner[i])] = inverse_depths[i];
   }
-  UndoBlur(rig_.left, of_left, inverse_depths, options_.noise, view.left);
-  UndoBlur(rig_.right, of_right, right, options_.noise, view.right);
+  UndoMotion(rig_.left, of_left, inverse_depths, options_.noise, view.left);
+  UndoMotion(rig_.right, of_right, right, options_.noise, view.right);
 }
 
 /// The first keyframe of a map, where the last known pose was.

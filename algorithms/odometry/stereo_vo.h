@@ -4,7 +4,8 @@
 /// Composed of
 /// - StereoView: features of both images, matched along epipolar lines of the unrectified rig;
 /// - KeypointNoise: a covariance of every feature, by its scale and the blur;
-/// - ExposureMotion: the camera's path over the exposure and since the last frame, by an IMU where there is one;
+/// - ExposureMotion: the camera's path over the exposure, a rolling shutter's readout and since the last frame, by an
+///   IMU where there is one;
 /// - StereoMap: keyframes and landmarks, and their adjustment, with the rig's rotation as an unknown;
 /// - RefineRigPose (algorithms/geometry/rig_pose.h): a frame's pose, and what its error is made of;
 /// - KeyframePolicy: a robot that stands adds none, and does not drift.
@@ -58,6 +59,7 @@ struct StereoVoOptions {
   int adjust_iterations = 8;       ///< Largest number of iterations of one adjustment.
   double rig_rotation_deg = 0.05;  ///< Standard deviation of the right camera's rotation as calibrated; 0: exact.
   bool use_imu = true;             ///< Use the IMU where there is one.
+  bool shutter_by_imu = true;      ///< Undo a rolling shutter by it (ExposureMotion::ReadoutPath).
   int max_lost_frames = 15;        ///< Frames without a pose after which the map is begun anew.
 };
 
@@ -80,6 +82,7 @@ void VisitFields(Visitor& visit, StereoVoOptions& o) {
   visit("rig_rotation_deg", o.rig_rotation_deg, Between(0.0, 10.0),
         "1 sigma of the right camera's rotation as calibrated, about each axis; 0: exact, else it is refined");
   visit("use_imu", o.use_imu, Nested(), "use the IMU where there is one");
+  visit("shutter_by_imu", o.shutter_by_imu, Nested(), "correct a rolling shutter by the IMU, where there is one");
   visit("max_lost_frames", o.max_lost_frames, Between(0, 1000000), "frames without a pose until a new map");
 }
 

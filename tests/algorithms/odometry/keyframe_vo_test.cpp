@@ -322,59 +322,14 @@ TEST(KeyframeVo, PosesAreInMetresWhereTheCamerasHeightIsKnown) {
   EXPECT_LT(final_error, 0.04);
 }
 
-constexpr double kRollsFor_ms = 20, kGyro_hz = 200;
-
-Calibration RollingCalibration() {
-  Calibration calibration = OneCamera();
-  calibration.readout_ms = kRollsFor_ms;
-  calibration.imu.rate_hz = kGyro_hz;
-  return calibration;
-}
-
-/// Sideways, while the head turns to and fro and nods: by 0.05 rad, three times a second.
-Pose NoddingPose(double t_s) {
-  const double phase = 2 * M_PI * 3 * t_s;
-  const Pose steady = SidewaysPose(t_s);
-  return {RotZ(0.05 * std::sin(phase)) * steady.rotation * RotX(0.05 * std::cos(phase)), steady.translation};
-}
-
-/// What a rolling shutter makes of it, every row an instant, and what a gyroscope in the camera measures meanwhile:
-/// with a frame come the samples up to 5 ms after its stamp; its last row is read 10 ms after it.
-Film RollingFilm(int frames) {
-  Film film = FilmPath(Room(), kCamera, 0, NoddingPose);
-  RandomStream random(8, "rolling");
-  for (int k = 0; k < frames; ++k) {
-    const double t_s = k / 30.0;
-    const auto pose_of_row = [&](int row) {
-      return NoddingPose(t_s + 1e-3 * kRollsFor_ms * (double(row) / (kCamera.height_px - 1) - 0.5));
-    };
-    cv::Mat grey = Room().RenderRows(kCamera, pose_of_row, {0, 0});
-    for (float& value : cv::Mat_<float>(grey)) value += float(random.Normal(0, 1.5));
-    Observation observation;
-    observation.stamp_ns = observation.image.stamp_ns = 1'000'000'000 + std::llround(1e9 * t_s);
-    grey.convertTo(observation.image.pixels, CV_8UC1);
-    const double until_s = t_s + 0.25e-3 * kRollsFor_ms;
-    for (int i = int(std::ceil((until_s - 1 / 30.0) * kGyro_hz)); i < until_s * kGyro_hz; ++i) {
-      ImuSample sample;
-      sample.stamp_ns = 1'000'000'000 + std::llround(1e9 * i / kGyro_hz);
-      const Pose before = NoddingPose((i - 0.5) / kGyro_hz), after = NoddingPose((i + 0.5) / kGyro_hz);
-      sample.angular_rate = LogSo3(before.rotation.conjugate() * after.rotation) * kGyro_hz;
-      observation.imu.push_back(sample);
-    }
-    film.frames.push_back(observation);
-    film.truth.push_back({observation.stamp_ns, NoddingPose(t_s)});
-  }
-  return film;
-}
-
 // The shutter shears a picture by up to 4 px: a pose of such a picture is one of some row.
 TEST(KeyframeVo, TheGyroscopeUndoesARollingShutter) {
-  const Film film = RollingFilm(45);
+  const Film film = RollingFilm(kCamera, 45);
   double rmse_m[2];
   for (const bool by_imu : {false, true}) {
     KeyframeVoOptions options = Fast();
     options.shutter_by_imu = by_imu;
-    KeyframeVo vo(RollingCalibration(), options, 1);
+    KeyframeVo vo(Rolling(OneCamera()), options, 1);
     TrackAll(vo, film.frames);
     Estimate final_estimate;
     final_estimate.frames = vo.Finish();

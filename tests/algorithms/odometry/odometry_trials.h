@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <ostream>
@@ -36,6 +37,51 @@ inline Pose SidewaysPose(double t_s) { return LookingForward({-0.5, -0.8 + 0.25 
 
 inline const Film& SidewaysFilm() {
   static const Film film = FilmPath(Room(), kCamera, 40, SidewaysPose, 5, 2);
+  return film;
+}
+
+constexpr double kRollsFor_ms = 20, kRollingGyro_hz = 200;
+
+inline Calibration Rolling(Calibration calibration) {
+  calibration.readout_ms = kRollsFor_ms;
+  calibration.imu.rate_hz = kRollingGyro_hz;
+  return calibration;
+}
+
+/// Sideways, while the head turns to and fro and nods: by 0.05 rad, three times a second.
+inline Pose NoddingPose(double t_s) {
+  const double phase = 2 * M_PI * 3 * t_s;
+  const Pose steady = SidewaysPose(t_s);
+  return {RotZ(0.05 * std::sin(phase)) * steady.rotation * RotX(0.05 * std::cos(phase)), steady.translation};
+}
+
+/// What a rolling shutter makes of it, every row an instant, and what a gyroscope in the camera measures meanwhile:
+/// with a frame come the samples up to 5 ms after its stamp; its last row is read 10 ms after it.
+/// @param X_NC of the camera in the head that nods
+inline Film RollingFilm(const CameraModel& camera, int frames, const Pose& X_NC = {}) {
+  Film film;
+  RandomStream random(8, "rolling");
+  for (int k = 0; k < frames; ++k) {
+    const double t_s = k / 30.0;
+    const auto pose_of_row = [&](int row) {
+      return NoddingPose(t_s + 1e-3 * kRollsFor_ms * (double(row) / (camera.height_px - 1) - 0.5)) * X_NC;
+    };
+    cv::Mat grey = Room().RenderRows(camera, pose_of_row, {0, 0});
+    for (float& value : cv::Mat_<float>(grey)) value += float(random.Normal(0, 1.5));
+    Observation observation;
+    observation.stamp_ns = observation.image.stamp_ns = 1'000'000'000 + std::llround(1e9 * t_s);
+    grey.convertTo(observation.image.pixels, CV_8UC1);
+    const double until_s = t_s + 0.25e-3 * kRollsFor_ms;
+    for (int i = int(std::ceil((until_s - 1 / 30.0) * kRollingGyro_hz)); i < until_s * kRollingGyro_hz; ++i) {
+      ImuSample sample;
+      sample.stamp_ns = 1'000'000'000 + std::llround(1e9 * i / kRollingGyro_hz);
+      const Pose before = NoddingPose((i - 0.5) / kRollingGyro_hz), after = NoddingPose((i + 0.5) / kRollingGyro_hz);
+      sample.angular_rate = LogSo3(before.rotation.conjugate() * after.rotation) * kRollingGyro_hz;
+      observation.imu.push_back(sample);
+    }
+    film.frames.push_back(observation);
+    film.truth.push_back({observation.stamp_ns, NoddingPose(t_s) * X_NC});
+  }
   return film;
 }
 

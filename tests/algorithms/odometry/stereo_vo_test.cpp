@@ -301,12 +301,52 @@ TEST(KeypointNoise, PointsOfASharpImageRepeatTheirErrorsAndThoseOfABlurredOneDoN
   EXPECT_LT(blurred, 0.25 * options.points_per_error);
 }
 
+TEST(RowOffset, APointIsPutWhereItWasAtTheStamp) {
+  const CameraModel camera = *Rig().right;
+  const auto motion = [](double t_s) {  // X_TM, M at the stamp
+    return Pose(ExpSo3(t_s * Eigen::Vector3d(1.0, -2.0, 0.5)), t_s * Eigen::Vector3d(0.2, -0.3, 0.1));
+  };
+  std::vector<Pose> readout;
+  for (int i = 0; i <= 16; ++i) readout.push_back(motion(1e-3 * kRollsFor_ms * (i / 16.0 - 0.5)));
+  for (const double depth_m : {0.5, 2.0, 50.0}) {
+    for (const Eigen::Vector2d& at_stamp : {Eigen::Vector2d(30, 20), {120, 90}, {200, 165}}) {
+      const Eigen::Vector3d p = depth_m * camera.Unproject(at_stamp);
+      Eigen::Vector2d seen = at_stamp;
+      for (int k = 0; k < 10; ++k) {  // the row that sees it
+        seen = *camera.Project(motion(1e-3 * kRollsFor_ms * (seen.y() / (camera.height_px - 1) - 0.5)) * p);
+      }
+      const Eigen::Vector2d found = seen - RowOffset(camera, readout, seen, 1 / depth_m);
+      EXPECT_LT((found - at_stamp).norm(), 0.02) << "it moved by " << (seen - at_stamp).norm();
+    }
+  }
+  EXPECT_EQ(RowOffset(camera, {}, {30, 20}, 1), Eigen::Vector2d(0, 0)) << "nothing rolls";
+}
+
+TEST(StereoVo, TheImuUndoesARollingShutter) {
+  const Calibration rig = Rolling(Rig());
+  Film film = RollingFilm(rig.camera, 40);
+  const Film right = RollingFilm(*rig.right, 40, rig.X_LR);
+  for (size_t i = 0; i < film.frames.size(); ++i) film.frames[i].right = right.frames[i].image;
+  double rmse_m[2];
+  for (const bool by_imu : {false, true}) {
+    StereoVoOptions options = Small();
+    options.shutter_by_imu = by_imu;
+    StereoVo vo(rig, options, 1);
+    TrackAll(vo, film.frames);
+    Estimate final_estimate;
+    final_estimate.frames = vo.Finish();
+    EXPECT_EQ(Count(final_estimate, TrackingStatus::kTracking), 40);
+    rmse_m[by_imu] = AlignedError(final_estimate, film.truth).rmse_m;
+  }
+  EXPECT_LT(rmse_m[true], 0.5 * rmse_m[false]) << rmse_m[true] << " and " << rmse_m[false];
+}
+
 TEST(StereoView, AFeatureWithoutAPartnerIsAsFarAsTheNearestThatHasOne) {
   const StereoRig rig = StereoRig::Of(Rig());
   const auto detector = MakeFeature2d("sift", 4);
   StereoView view = DetectInBoth(Sideways().frames[0], rig, *detector, 500);
-  UndoBlur(rig.left, {}, {}, {}, view.left);
-  UndoBlur(rig.right, {}, {}, {}, view.right);
+  UndoMotion(rig.left, {}, {}, {}, view.left);
+  UndoMotion(rig.right, {}, {}, {}, view.right);
   view.partner.assign(view.left.size(), -1);
   EXPECT_TRUE(InverseDepths(rig, view).empty());
   view.partner = MatchStereo(rig, view.left, view.right, {});

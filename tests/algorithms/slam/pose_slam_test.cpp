@@ -124,8 +124,8 @@ TEST(StereoLoops, AViewLooksMostLikeTheKeyframeTakenWhereItStands) {
   StereoLoops loops({}, 1);
   for (const int frame : {0, 10, 19, 39}) {  // to the side, and back to where it began
     StereoView view = DetectInBoth(ThereAndBack().frames[size_t(frame)], rig, *detector, 500);
-    UndoBlur(rig.left, {}, {}, {}, view.left);
-    UndoBlur(rig.right, {}, {}, {}, view.right);
+    UndoMotion(rig.left, {}, {}, {}, view.left);
+    UndoMotion(rig.right, {}, {}, {}, view.right);
     view.partner = MatchStereo(rig, view.left, view.right, {});
     loops.Keep(frame, view, rig);
   }
