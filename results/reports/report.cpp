@@ -108,7 +108,8 @@ std::string Cards(const ReportInput& input) {
   }
   for (const ReportSection& section : input.sections) html += section.cards;
   if (!input.frames.empty()) {
-    html += Card("Motion blur", MedianBlur(input.frames), "px", "median over frames of the median blur extent");
+    html += Card("Motion blur", MedianBlur(input.frames), "px",
+                 "path of an image point while the shutter is open: median over the image, then over frames");
   }
   if (input.scores && !input.scores->timing.empty() && input.scores->timing.front().name == "track_ms_mean") {
     html += Card("Tracking time", input.scores->Value("track_ms_mean"), "ms",

@@ -130,7 +130,7 @@ const drawers = {
   blur: canvas => overTime(canvas, [
     line('median', 'median', 'sim3', xy(data.frames.t, data.frames.blur_median)),
     line('p90', '90 %', 'green', xy(data.frames.t, data.frames.blur_p90), {borderWidth: 1.4}),
-    line('max', 'largest', 'se3', xy(data.frames.t, data.frames.blur_max), {borderWidth: 1})], 'blur extent, px', 'px'),
+    line('max', 'largest', 'se3', xy(data.frames.t, data.frames.blur_max), {borderWidth: 1})], 'length of the blur path, px', 'px'),
   inliers: canvas => overTime(canvas, [
     line('inliers', 'inliers', 'sim3', xy(data.frames.t, data.frames.inliers)),
     line('features', 'features', 'green', xy(data.frames.t, data.frames.features), {borderWidth: 1.2})], 'points per frame', ''),
