@@ -109,7 +109,7 @@ std::string Cards(const ReportInput& input) {
   for (const ReportSection& section : input.sections) html += section.cards;
   if (!input.frames.empty()) {
     html += Card("Motion blur", MedianBlur(input.frames), "px",
-                 "path of an image point while the shutter is open: median over the image, then over frames");
+                 "length of an image point's path during the exposure, median");
   }
   if (input.scores && !input.scores->timing.empty() && input.scores->timing.front().name == "track_ms_mean") {
     html += Card("Tracking time", input.scores->Value("track_ms_mean"), "ms",
