@@ -6,18 +6,19 @@
 
 namespace gaitcam {
 
-bool KeyframePolicy::IsKeyframe(const SinceKeyframe& frame) {
+bool KeyframePolicy::IsKeyframe(int64_t stamp_ns, const SinceKeyframe& frame) {
   const double count = frame.inliers;
   constexpr double kGain = 0.1;  // of the low-pass filter
   mean_inliers_ = mean_inliers_ > 0 ? (1 - kGain) * mean_inliers_ + kGain * count : count;
   max_inliers_ = std::max(max_inliers_, count);
   if (options_.keyframe_displacement_px == 0) return true;
-  if (waiting_frames_ == 0 && !IsDue(frame)) return false;
-  ++waiting_frames_;
+  if (!due_since_ns_ && !IsDue(frame)) return false;
+  if (!due_since_ns_) due_since_ns_ = stamp_ns;
+  const double waited_s = 1e-9 * double(stamp_ns - *due_since_ns_);
   const bool is_nearly_lost = count < 2 * min_inliers_;
-  if (is_nearly_lost || waiting_frames_ > 2 * options_.max_wait_frames) return true;
+  if (is_nearly_lost || waited_s >= 2 * options_.max_wait_s) return true;
   const bool sees_well = count >= mean_inliers_;
-  return waiting_frames_ > options_.max_wait_frames ? sees_well || frame.is_sharp : sees_well && frame.is_sharp;
+  return waited_s >= options_.max_wait_s ? sees_well || frame.is_sharp : sees_well && frame.is_sharp;
 }
 
 bool KeyframePolicy::IsDue(const SinceKeyframe& frame) const {
@@ -29,7 +30,7 @@ bool KeyframePolicy::IsDue(const SinceKeyframe& frame) const {
 void KeyframePolicy::OnKeyframe(int inliers) {
   keyframe_inliers_ = inliers;
   mean_inliers_ = max_inliers_ = 0;
-  waiting_frames_ = 0;
+  due_since_ns_.reset();
 }
 
 }  // namespace gaitcam

@@ -4,6 +4,9 @@
 
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "algorithms/core/fields.h"
 
 namespace gaitcam {
@@ -15,8 +18,9 @@ struct KeyframePolicyOptions {
   double keyframe_turn_deg = 12;        ///< Rotation since the last keyframe.
   double keyframe_overlap = 0.6;        ///< Inliers lately over the most in a frame since the last keyframe.
   /// A due keyframe waits so long for a frame that sees well and is sharp, as long again for one of these, and no
-  /// longer.
-  int max_wait_frames = 10;
+  /// longer. A time and no number of frames: what a walking camera loses sight of meanwhile does not depend on its
+  /// rate.
+  double max_wait_s = 0.33;
 };
 
 template <class Visitor>
@@ -25,8 +29,7 @@ void VisitFields(Visitor& visit, KeyframePolicyOptions& o) {
         "median displacement by parallax that makes a keyframe; 0: every frame");
   visit("keyframe_turn_deg", o.keyframe_turn_deg, Between(0.1, 180.0), "rotation that makes a keyframe");
   visit("keyframe_overlap", o.keyframe_overlap, Between(0.0, 1.0), "share of inliers left that makes a keyframe");
-  visit("max_wait_frames", o.max_wait_frames, Between(0, 1000),
-        "frames to wait for a good one, and again for a fair one");
+  visit("max_wait_s", o.max_wait_s, Between(0.0, 1000.0), "time to wait for a good frame, and again for a fair one");
 }
 
 /// A frame that has a pose, against the last keyframe.
@@ -44,7 +47,7 @@ class KeyframePolicy {
       : options_(options), min_inliers_(min_inliers) {}
 
   /// To be asked once for every frame that has a pose.
-  bool IsKeyframe(const SinceKeyframe& frame);
+  bool IsKeyframe(int64_t stamp_ns, const SinceKeyframe& frame);
 
   /// To be told of every keyframe.
   void OnKeyframe(int inliers);
@@ -61,8 +64,8 @@ class KeyframePolicy {
   int min_inliers_;
   double keyframe_inliers_ = 0;  ///< Of the last keyframe.
   double mean_inliers_ = 0;
-  double max_inliers_ = 0;  ///< Of a frame since the last keyframe.
-  int waiting_frames_ = 0;  ///< Since a keyframe was due.
+  double max_inliers_ = 0;               ///< Of a frame since the last keyframe.
+  std::optional<int64_t> due_since_ns_;  ///< The first frame that would have been a keyframe; none: none is due.
 };
 
 }  // namespace gaitcam

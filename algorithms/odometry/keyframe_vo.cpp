@@ -304,7 +304,7 @@ void KeyframeVo::Tracker::Extend(FrameView& view, int64_t stamp_ns) {
   const Pose& X_WK = map_.keyframes().back();
   const double parallax = map_.MedianParallax(inliers_, X_WK.translation, view.X_WC.translation);
   const double turn_rad = RotationAngle(X_WK.rotation, view.X_WC.rotation);
-  if (policy_.IsKeyframe({camera_.fx * parallax, turn_rad, int(inliers_.size())})) {
+  if (policy_.IsKeyframe(stamp_ns, {camera_.fx * parallax, turn_rad, int(inliers_.size())})) {
     AddKeyframe(view);
   } else {
     map_.Refresh(view, inliers_);

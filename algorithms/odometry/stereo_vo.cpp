@@ -299,7 +299,7 @@ SinceKeyframe StereoVo::Tracker::CompareWithKeyframe(const Localized& found) con
 }
 
 void StereoVo::Tracker::Extend(const StereoView& view, const Localized& found) {
-  if (policy_.IsKeyframe(CompareWithKeyframe(found))) {
+  if (policy_.IsKeyframe(motion_.stamp_ns(), CompareWithKeyframe(found))) {
     map_.AddKeyframe(view, found.result.X_WC, found.matches, found.result.use);
     NoteKeyframe();
     keyframe_view_ = view;
