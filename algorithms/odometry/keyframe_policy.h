@@ -46,7 +46,8 @@ class KeyframePolicy {
   KeyframePolicy(const KeyframePolicyOptions& options, int min_inliers)
       : options_(options), min_inliers_(min_inliers) {}
 
-  /// To be asked once for every frame that has a pose.
+  /// To be asked once for every frame that has a pose, in order of time.
+  /// @param stamp_ns the frame's
   bool IsKeyframe(int64_t stamp_ns, const SinceKeyframe& frame);
 
   /// To be told of every keyframe.
