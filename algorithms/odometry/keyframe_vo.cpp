@@ -104,8 +104,7 @@ class KeyframeVo::Tracker {
         : up_C(calibration.imu, calibration.standing->up_C, kGravityTime_s), scale(calibration.standing->height_m) {}
 
     UpDirection up_C;
-    Carried carried;  ///< Over the latest frames ...
-    int frames = 0;   ///< ... of so many.
+    CarriedMean carried;
     MetricScale scale;
 
     double factor = 1;                     ///< By which the last pose's motion was multiplied.
@@ -134,11 +133,11 @@ class KeyframeVo::Tracker {
   void TellBlur(const Observation& observation);
   void Unroll(int64_t stamp_ns, FrameView& view) const;
   void LearnBias(const Pose& X_WC, int64_t stamp_ns);
-  bool Initialize(FrameView& view, std::optional<Pose>& predicted);
+  bool Initialize(FrameView& view, int64_t stamp_ns, std::optional<Pose>& predicted);
   Pose PredictPose(int64_t stamp_ns) const;
   bool Localize(FrameView& view, const Observation& observation);
   void Extend(FrameView& view, int64_t stamp_ns);
-  void AddKeyframe(FrameView& view);
+  void AddKeyframe(FrameView& view, int64_t stamp_ns);
   void Postpone(const FrameView& view, int64_t stamp_ns);
   void QueueMissed(const FrameView& view, int64_t stamp_ns);
   void BeginBacklog(int64_t stamp_ns);
@@ -147,7 +146,7 @@ class KeyframeVo::Tracker {
   void LocalizeWaiting();
   void LocalizeMissed();
   void GiveUpMap();
-  void FollowGravity(const Pose& X_WC);
+  void FollowGravity(const Pose& X_WC, int64_t stamp_ns);
   FrameEstimate InMetres(FrameEstimate answer);
 
   Calibration calibration_;
@@ -192,7 +191,7 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   inliers_.clear();
   matches_ = 0;
   const bool had_map = HasMap();
-  const bool found = had_map ? Localize(view, observation) : Initialize(view, answer.predicted);
+  const bool found = had_map ? Localize(view, observation) : Initialize(view, answer.stamp_ns, answer.predicted);
   answer.inliers = int(inliers_.size());
   answer.matches = matches_;
   if (!found) {
@@ -221,7 +220,7 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
 /// Without a map. The unit of a new map is such that its median depth is the last map's, 1 at first.
 /// @param predicted set to the rotation alone, where that is asked for and there is no map yet
 /// @returns whether there is a map now, and the frame has a pose in it
-bool KeyframeVo::Tracker::Initialize(FrameView& view, std::optional<Pose>& predicted) {
+bool KeyframeVo::Tracker::Initialize(FrameView& view, int64_t stamp_ns, std::optional<Pose>& predicted) {
   const MapInitializer::Result result = initializer_.Add(view, UpNow(), random_);
   if (result == MapInitializer::Result::kReference) {
     waiting_.clear();
@@ -244,7 +243,7 @@ bool KeyframeVo::Tracker::Initialize(FrameView& view, std::optional<Pose>& predi
     if (pair.depths[i]) map_.SetDepth(pair.matches[i].landmark, 1 / (unit * *pair.depths[i]));
   }
   inliers_ = pair.matches;
-  AddKeyframe(view);
+  AddKeyframe(view, stamp_ns);
   return true;
 }
 
@@ -305,10 +304,10 @@ void KeyframeVo::Tracker::Extend(FrameView& view, int64_t stamp_ns) {
   const double parallax = map_.MedianParallax(inliers_, X_WK.translation, view.X_WC.translation);
   const double turn_rad = RotationAngle(X_WK.rotation, view.X_WC.rotation);
   if (policy_.IsKeyframe(stamp_ns, {camera_.fx * parallax, turn_rad, int(inliers_.size())})) {
-    AddKeyframe(view);
+    AddKeyframe(view, stamp_ns);
   } else {
     map_.Refresh(view, inliers_);
-    if (metric_) FollowGravity(view.X_WC);
+    if (metric_) FollowGravity(view.X_WC, stamp_ns);
   }
   QueueMissed(view, stamp_ns);
 }
@@ -328,16 +327,16 @@ bool KeyframeVo::Tracker::Localize(FrameView& view, const Observation& observati
 }
 
 /// Inliers become observations, all other features new landmarks.
-void KeyframeVo::Tracker::AddKeyframe(FrameView& view) {
+void KeyframeVo::Tracker::AddKeyframe(FrameView& view, int64_t stamp_ns) {
   if (!inliers_.empty()) ScaleNoise(map_, inliers_, view);
   map_.AddKeyframe(view, inliers_, median_depth_, DepthPriors());
   median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
   policy_.OnKeyframe(int(inliers_.size()));
   if (metric_) {
-    FollowGravity(view.X_WC);
-    const auto measured = MeasureCarriedHeight(map_, metric_->carried);
+    FollowGravity(view.X_WC, stamp_ns);
+    const auto measured = MeasureCarriedHeight(map_, metric_->carried.mean());
     metric_->scale.Add(measured, false);
-    if (options_.use_floor) floor_.Update(map_, view.X_WC, metric_->carried, measured);
+    if (options_.use_floor) floor_.Update(map_, view.X_WC, metric_->carried.mean(), measured);
   } else if (options_.use_floor) {
     floor_.Update(map_, view.X_WC, random_);
   }
@@ -412,19 +411,14 @@ void KeyframeVo::Tracker::GiveUpMap() {
   initializer_.Reset();
   is_restart_due_ = true;
   if (!metric_) return;
-  metric_->frames = 0;
+  metric_->carried.Restart();
   metric_->held_since_ns.reset();
   metric_->out_of_patience = metric_->is_known = false;
 }
 
-/// In W the vertical stands still: what accelerations and the gyroscope's bias do to it cancels out over some steps.
-void KeyframeVo::Tracker::FollowGravity(const Pose& X_WC) {
-  constexpr int kFrames = 60;
-  metric_->frames = std::min(metric_->frames + 1, kFrames);
-  const double gain = 1.0 / metric_->frames;
-  Carried& carried = metric_->carried;
-  carried.up_W = ((1 - gain) * carried.up_W + gain * (X_WC.rotation * metric_->up_C.up_C())).normalized();
-  carried.at_W = (1 - gain) * carried.at_W + gain * X_WC.translation;
+/// In W the vertical stands still, but for the drift of the poses' rotations.
+void KeyframeVo::Tracker::FollowGravity(const Pose& X_WC, int64_t stamp_ns) {
+  metric_->carried.Add(stamp_ns, X_WC.rotation * metric_->up_C.up_C(), X_WC.translation);
 }
 
 /// A map whose unit is not known yet is still being started, for a while: with no floor in view it never will be.

@@ -98,6 +98,16 @@ std::optional<Eigen::Vector3d> LevelFloor(const std::vector<Candidate>& candidat
 
 }  // namespace
 
+void CarriedMean::Add(int64_t stamp_ns, const Eigen::Vector3d& up_W, const Eigen::Vector3d& at_W) {
+  constexpr double kTime_ns = 2e9;
+  const double most = frames_ == 0 ? 1 : std::max(1.0, std::round(kTime_ns / double(stamp_ns - stamp_ns_)));
+  frames_ = int(std::min(frames_ + 1.0, most));
+  stamp_ns_ = stamp_ns;
+  const double gain = 1.0 / frames_;
+  mean_.up_W = ((1 - gain) * mean_.up_W + gain * up_W).normalized();
+  mean_.at_W = (1 - gain) * mean_.at_W + gain * at_W;
+}
+
 std::optional<CarriedHeight> MeasureCarriedHeight(const KeyframeMap& map, const Carried& carried) {
   const Eigen::Vector3d& up_W = carried.up_W;
   const std::vector<Candidate> candidates = CandidatesOf(map, carried);

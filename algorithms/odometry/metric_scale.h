@@ -11,6 +11,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -18,10 +19,27 @@
 
 namespace gaitcam {
 
-/// Of a camera over the latest frames, some steps.
+/// Of a camera on average over some steps.
 struct Carried {
   Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();  ///< A unit vector, to a degree or so.
   Eigen::Vector3d at_W = Eigen::Vector3d::Zero();   ///< Mean position.
+};
+
+/// The mean over a walk's latest two seconds, some steps: what accelerations and bobbing do cancels out.
+class CarriedMean {
+ public:
+  /// To be called for every frame that has a pose, in time order. A frame counts as the part of two seconds that has
+  /// passed since the one before, and as 1 / n of the first n.
+  void Add(int64_t stamp_ns, const Eigen::Vector3d& up_W, const Eigen::Vector3d& at_W);
+  /// The next frame is the first.
+  void Restart() { frames_ = 0; }
+
+  const Carried& mean() const { return mean_; }
+
+ private:
+  Carried mean_;
+  int frames_ = 0;  ///< That count in the mean, at the latest frame's rate.
+  int64_t stamp_ns_ = 0;
 };
 
 /// How high the camera was carried lately.

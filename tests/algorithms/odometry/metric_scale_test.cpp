@@ -127,6 +127,37 @@ TEST(MeasureCarriedHeight, AWallIsNoFloorAndATableIsNone) {
   EXPECT_TRUE(!measured || measured->height * walked.MetresPerUnit() > 0.9 * kHeight_m);
 }
 
+/// Part of a step of the vertical that the mean has taken up after a time, at a frame rate.
+double TakenUpAfter(double time_s, double rate_hz) {
+  CarriedMean carried;
+  const auto stamp_ns = [&](int i) { return int64_t(std::llround(1e9 * i / rate_hz)); };
+  const int before = int(6 * rate_hz), after = int(std::lround(time_s * rate_hz));
+  const double step = 0.02;
+  for (int i = 0; i < before; ++i) carried.Add(stamp_ns(i), kUp, Eigen::Vector3d::Zero());
+  for (int i = before; i < before + after; ++i) carried.Add(stamp_ns(i), RotY(step) * kUp, Eigen::Vector3d(step, 0, 0));
+  EXPECT_NEAR(carried.mean().at_W.x(), carried.mean().up_W.x(), 1e-4 * step) << "both are means over the same frames";
+  return carried.mean().up_W.x() / std::sin(step);
+}
+
+TEST(CarriedMean, FollowsWithinTwoSecondsAtAnyFrameRate) {
+  for (const double rate_hz : {5.0, 10.0, 15.0, 30.0, 100.0}) {
+    // (1 - gain)^n of the old is left: at 5 frames/s 0.9^10 for 1 / e.
+    EXPECT_NEAR(TakenUpAfter(2, rate_hz), 1 - std::exp(-1.0), 0.025) << rate_hz;
+    EXPECT_GT(TakenUpAfter(6, rate_hz), 0.94) << rate_hz;
+  }
+}
+
+TEST(CarriedMean, WeighsItsFirstFramesAlikeAndALateFrameByItsTime) {
+  CarriedMean carried;
+  for (int i = 0; i < 5; ++i) carried.Add(int64_t(i) * 100'000'000, kUp, Eigen::Vector3d(i, 0, 0));
+  EXPECT_NEAR(carried.mean().at_W.x(), 2, 1e-12);
+  carried.Add(1'400'000'000, kUp, Eigen::Vector3d(7, 0, 0));
+  EXPECT_NEAR(carried.mean().at_W.x(), 4.5, 1e-12) << "a second without a pose is half of the time";
+  carried.Restart();
+  carried.Add(1'500'000'000, kUp, Eigen::Vector3d(1, 0, 0));
+  EXPECT_NEAR(carried.mean().at_W.x(), 1, 1e-12);
+}
+
 CarriedHeight Measured(double height) { return {height, 0.02, kUp, {}}; }
 
 TEST(MetricScale, IsUnknownUntilMeasuredAndThenKnownBackwards) {
