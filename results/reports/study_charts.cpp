@@ -139,13 +139,32 @@ std::vector<KeyEntry> StudyChartKey(const StudyReportInput& input, size_t axis) 
   return key;
 }
 
+std::optional<int> LyingChartHeight_px(const StudyAxis& axis) {
+  constexpr size_t kFits = 90;  // characters in all, side by side under a chart of half the page's width
+  size_t characters = 0, longest = 0;
+  for (const std::string& level : axis.levels) {
+    characters += level.size();
+    longest = std::max(longest, level.size());
+  }
+  if (characters <= kFits || !axis.Numbers().empty()) return std::nullopt;
+  constexpr size_t kPerLine = 40;  // study.js breaks labels after 44 characters
+  constexpr int kLine_px = 14, kGap_px = 10, kFrame_px = 80;
+  const int lines = int((longest + kPerLine - 1) / kPerLine);
+  return kFrame_px + int(axis.levels.size()) * (lines * kLine_px + kGap_px);
+}
+
 Json StudyEffectChart(const StudyReportInput& input, size_t axis, const Score& metric) {
   const StudyAxis& a = input.table->axes[axis];
   const std::vector<double> numbers = a.Numbers();
-  Json json{{"kind", "effect"},        {"x", a.Title()},
-            {"y", AxisTitle(metric)},  {"numeric", !numbers.empty()},
-            {"ticks", Json::array()},  {"labels", a.levels},
-            {"series", Json::array()}, {"ratio", metric.name == "coverage_ratio"}};
+  Json json{{"kind", "effect"},
+            {"x", a.Title()},
+            {"y", AxisTitle(metric)},
+            {"numeric", !numbers.empty()},
+            {"ticks", Json::array()},
+            {"labels", a.levels},
+            {"series", Json::array()},
+            {"ratio", metric.name == "coverage_ratio"},
+            {"lying", LyingChartHeight_px(a).has_value()}};
   for (size_t level = 0; level < a.levels.size(); ++level)
     json["ticks"].push_back(numbers.empty() ? double(level) : numbers[level]);
   double low = INFINITY, high = 0;

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,10 @@ namespace gaitcam::internal {
 
 /// The key of the chart over an axis; SIZE_MAX for the chart over blur.
 std::vector<KeyEntry> StudyChartKey(const StudyReportInput& input, size_t axis);
+
+/// Height of the chart over an axis whose labels do not fit side by side: its levels stand one below the other, over
+/// the whole width of the page. Nothing for any other axis.
+std::optional<int> LyingChartHeight_px(const StudyAxis& axis);
 
 /// Data of one chart, as results/reports/page/study.js reads it: medians with bootstrap intervals at the levels of an
 /// axis, a series for each level of the axis `by`.

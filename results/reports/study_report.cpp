@@ -27,6 +27,8 @@ size_t Scored(const StudyTable& table, const Score& metric) {
                               [&](const StudyRun& run) { return std::isfinite(run.Value(metric.name)); }));
 }
 
+bool IsUnscored(const StudyRun& run) { return run.scores.size() < 2; }  // it may have its coverage
+
 std::string Header(const StudyTable& table) {
   return fmt::format("<header>\n<span class=\"brand\">gaitcam study</span>\n<h1>{}</h1>\n<p>{}</p>\n</header>\n",
                      Escape(table.name), Escape(table.description));
@@ -38,7 +40,7 @@ std::string Banners(const StudyTable& table) {
   for (const StudyRun& run : table.runs) {
     if (run.status == "failed") ++failed[run.failure];
     fell += run.status == "fell";
-    unscored += run.status != "failed" && run.scores.size() < 2;
+    unscored += run.status != "failed" && IsUnscored(run);
   }
   std::string html;
   for (const auto& [reason, count] : failed)
@@ -66,8 +68,9 @@ std::string Cards(const StudyReportInput& input) {
   std::string html = "<dl class=\"cards\">\n";
   html += Card("Runs", double(table.runs.size()), "",
                fmt::format("{} conditions, each with the same {} seeds", table.conditions(), table.seeds));
-  const Score& last = table.metrics.back();
-  html += Card("Scored", double(Scored(table, last)), "runs", fmt::format("have {}", last.name));
+  const auto unscored = size_t(std::count_if(table.runs.begin(), table.runs.end(), IsUnscored));
+  html += Card("Scored", double(table.runs.size() - unscored), "runs",
+               unscored == 0 ? "none failed or covered too little" : "the others failed, or covered too little");
   html +=
       Card("Motion blur", QuantileOf(blur, 1.0), "px",
            fmt::format("median extent of the most blurred run; {} px of the least", ThreeDigits(QuantileOf(blur, 0))));
@@ -89,7 +92,11 @@ std::string MetricSection(const StudyReportInput& input, size_t index, Json& cha
     if (input.by && *input.by == axis && table.axes.size() > 1) continue;  // these are the series of the others
     const std::string id = fmt::format("m{}a{}", index, axis);
     charts[id] = internal::StudyEffectChart(input, axis, metric);
-    html += Panel(id, "By " + table.axes[axis].Title(), internal::StudyChartKey(input, axis), 290);
+    constexpr int kHeight_px = 290;
+    const std::optional<int> lying_px = internal::LyingChartHeight_px(table.axes[axis]);
+    const std::string panel = Panel(id, "By " + table.axes[axis].Title(), internal::StudyChartKey(input, axis),
+                                    lying_px.value_or(kHeight_px));
+    html += lying_px ? "<div class=\"wide\">" + panel + "</div>\n" : panel;
   }
   const std::string id = fmt::format("m{}blur", index);
   charts[id] = internal::StudyBlurChart(input, metric);

@@ -13,11 +13,13 @@ const bars = {
       ctx.save();
       ctx.strokeStyle = set.borderColor; ctx.lineWidth = 1.6;
       for (const p of set.data) {
-        if (p.low === null || p.high === null || p.y === null) continue;
-        const px = x.getPixelForValue(p.x), low = y.getPixelForValue(p.low), high = y.getPixelForValue(p.high);
+        if (p.low === null || p.high === null || p.y === null || p.x === null) continue;
+        const along = set.lying ? x : y, at = set.lying ? y.getPixelForValue(p.y) : x.getPixelForValue(p.x);
+        const ends = [along.getPixelForValue(p.low), along.getPixelForValue(p.high)];
+        const point = (value, aside) => set.lying ? [value, at + aside] : [at + aside, value];
         ctx.beginPath();
-        ctx.moveTo(px, low); ctx.lineTo(px, high);
-        for (const end of [low, high]) { ctx.moveTo(px - 4, end); ctx.lineTo(px + 4, end); }
+        ctx.moveTo(...point(ends[0], 0)); ctx.lineTo(...point(ends[1], 0));
+        for (const end of ends) { ctx.moveTo(...point(end, -4)); ctx.lineTo(...point(end, 4)); }
         ctx.stroke();
       }
       ctx.restore();
@@ -36,7 +38,41 @@ function scaleY(c, values) {
   return y;
 }
 
+// Words in lines of some 44 characters.
+function wrapped(label) {
+  const lines = [''];
+  for (const word of label.split(' ')) {
+    const last = lines[lines.length - 1];
+    if (last && last.length + word.length > 44) lines.push(word); else lines[lines.length - 1] = last ? last + ' ' + word : word;
+  }
+  return lines;
+}
+
+// Levels as lines one below the other, for labels that do not fit side by side.
+function lyingEffect(canvas, c) {
+  const count = c.series.length, values = [];
+  const sets = c.series.map((s, k) => {
+    const points = s.points.map(p => Object.assign({}, p, {x: p.y, y: p.x + (k - (count - 1) / 2) * 0.6 / count}));
+    for (const p of points) for (const v of [p.low, p.high]) if (v !== null) values.push(v);
+    return line('s' + k, s.name, s.colour, points, {bars: true, lying: true, showLine: false, pointRadius: 4, pointHoverRadius: 6});
+  });
+  const x = scaleY(c, values);
+  delete x.afterFit;
+  const y = axis('', {reverse: true, min: -0.5, max: c.labels.length - 0.5, afterBuildTicks: s => { s.ticks = c.ticks.map(value => ({value})); }});
+  y.title.display = false;
+  y.ticks = Object.assign({}, y.ticks, {autoSkip: false, callback: v => wrapped(c.labels[v] || '')});
+  const o = options(x, y);
+  o.interaction = {mode: 'nearest', axis: 'xy', intersect: false};
+  o.normalized = false;
+  o.plugins.tooltip.callbacks.title = items => items.length ? wrapped(c.labels[items[0].dataIndex]) : '';
+  o.plugins.tooltip.callbacks.label = i => intervalText(i, i.raw.x);
+  return new Chart(canvas, {type: 'line', data: {datasets: sets}, options: o, plugins: [bars]});
+}
+
+const intervalText = (item, value) => ' ' + item.dataset.label + ': ' + digits(value) + ' [' + digits(item.raw.low) + ', ' + digits(item.raw.high) + '], n = ' + item.raw.n + ' of ' + item.raw.runs;
+
 function effect(canvas, c) {
+  if (c.lying) return lyingEffect(canvas, c);
   const count = c.series.length, span = c.ticks.length > 1 ? c.ticks[c.ticks.length - 1] - c.ticks[0] : 1;
   const gap = c.numeric ? 0.014 * Math.abs(span) : 0.08, values = [];
   const sets = c.series.map((s, k) => {
@@ -51,7 +87,7 @@ function effect(canvas, c) {
   const o = options(x, scaleY(c, values));
   o.interaction = {mode: 'nearest', axis: 'xy', intersect: false};
   o.plugins.tooltip.callbacks.title = items => items.length ? c.x + ': ' + c.labels[items[0].dataIndex] : '';
-  o.plugins.tooltip.callbacks.label = i => ' ' + i.dataset.label + ': ' + digits(i.raw.y) + ' [' + digits(i.raw.low) + ', ' + digits(i.raw.high) + '], n = ' + i.raw.n + ' of ' + i.raw.runs;
+  o.plugins.tooltip.callbacks.label = i => intervalText(i, i.raw.y);
   return new Chart(canvas, {type: 'line', data: {datasets: sets}, options: o, plugins: [bars]});
 }
 

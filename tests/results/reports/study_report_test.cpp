@@ -40,6 +40,19 @@ TEST(StudyReport, AStudyOfOneAxisIsDrawnToo) {
   ExpectAllDrawn(Browse(WritePage(study.input, folder, "one_axis.html")), "6");
 }
 
+TEST(StudyReport, LevelsWithLongNamesStandOneBelowTheOther) {
+  MadeUpStudy study;
+  const std::string plain = StudyReportHtml(study.input);
+  EXPECT_THAT(plain, Not(HasSubstr("<div class=\"wide\">")));
+  for (std::string& level : study.table.axes[2].levels)
+    level = "system={name: " + level + ", tracker: {shutter_by_imu: false}}, camera.preset=cmos";
+  study.input.by = std::nullopt;
+  EXPECT_THAT(StudyReportHtml(study.input), HasSubstr("<div class=\"wide\">"));
+  if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
+  const TemporaryFolder folder;
+  ExpectAllDrawn(Browse(WritePage(study.input, folder, "long_names.html"), "--window-size=1280,1000"), "12");
+}
+
 TEST(StudyReport, SaysWhatTheIntervalsAndTestsAreAndHowManyRunsStandBehindThem) {
   const MadeUpStudy study;
   const std::string html = StudyReportHtml(study.input);
