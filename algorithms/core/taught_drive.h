@@ -31,7 +31,7 @@ struct DriveStep {
   bool confirmed = false;  ///< A view of the map says where it is, and no other place fits; else the wheels alone do.
   bool found = false;      ///< It takes itself to be elsewhere than before: a start, or after being carried off.
   int places = 0;          ///< In so many it may be, as far as it knows.
-  PlanarPose X_FB;         ///< Of the body, if it knows: the first of these places.
+  PlanarPose X_FB = {};    ///< Of the body, if it knows: the first of these places.
 };
 
 /// A way that was planned along views of the map.

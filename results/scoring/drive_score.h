@@ -48,7 +48,7 @@ struct DriveTruth {
   const Trajectory& driven;  ///< X_WC on this run.
   const Trajectory& taught;  ///< X_WC on the walk that taught the map, same world; empty if it is not known.
   PeopleAt people;
-  std::optional<CarriedSpan> carried;
+  std::optional<CarriedSpan> carried = {};
 };
 
 /// A step of TaughtDrive::steps, as it truly was. All NaN where there is no truth.
@@ -73,7 +73,7 @@ struct Approach {
 struct DriveComparison {
   std::vector<std::vector<Eigen::Vector2d>> taught_m;  ///< Of each route, where the body truly was when taught.
   std::vector<DrivenStep> steps;
-  std::optional<CarriedSpan> carried;
+  std::optional<CarriedSpan> carried = {};
   std::vector<std::vector<Eigen::Vector2d>> people_m;  ///< Of each person, over the drive.
   Approach nearest;                                    ///< At any time.
   Approach while_towards;                              ///< While the robot moved towards the person.
