@@ -25,11 +25,13 @@ struct Carried {
   Eigen::Vector3d at_W = Eigen::Vector3d::Zero();   ///< Mean position.
 };
 
-/// The mean over a walk's latest two seconds, some steps: what accelerations and bobbing do cancels out.
+/// A first-order low-pass filter with a time constant of two seconds, some steps: accelerations and bobbing cancel out,
+/// drift of the poses' rotation is followed. Until two seconds have passed it is the plain mean.
 class CarriedMean {
  public:
-  /// To be called for every frame that has a pose, in time order. A frame counts as the part of two seconds that has
-  /// passed since the one before, and as 1 / n of the first n.
+  /// To be called for every frame that has a pose, stamps strictly increasing. The filter's gain is the time since the
+  /// frame before over two seconds, or 1 / n at the n-th frame if that is more.
+  /// @param up_W vertical as this frame has it, a unit vector. @param at_W its position, in the map's unit.
   void Add(int64_t stamp_ns, const Eigen::Vector3d& up_W, const Eigen::Vector3d& at_W);
   /// The next frame is the first.
   void Restart() { frames_ = 0; }
