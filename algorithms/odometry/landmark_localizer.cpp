@@ -114,11 +114,15 @@ std::optional<LandmarkPose> LandmarkLocalizer::Attempt::FindConsensusNearby(cons
   return refined;
 }
 
+/// Hardly a feature has a rival within so small a radius, and without one passes the ratio test whatever it shows. Such
+/// matches lie near where the pose that was searched from has the landmark, and confirm it: they need rivals from
+/// farther off.
 std::vector<LandmarkMatch> LandmarkLocalizer::Attempt::SearchNarrowly(const Pose& X_WC) const {
-  constexpr double kRadiusPx = 5;
-  return SearchNear(
-      map_, view_, X_WC,
-      localizer_.SearchOptions(kRadiusPx * noise_ / localizer_.focal_px_, RatioNearby(localizer_.ratio_)));
+  constexpr double kRadiusPx = 5, kRivalsPx = 20;
+  const double px = noise_ / localizer_.focal_px_;
+  LandmarkSearchOptions narrow = localizer_.SearchOptions(kRadiusPx * px, RatioNearby(localizer_.ratio_));
+  narrow.rivals = kRivalsPx * px;
+  return SearchNear(map_, view_, X_WC, narrow);
 }
 
 /// Searches again within a few pixels of where the landmarks project from the pose found.

@@ -24,11 +24,11 @@ std::vector<LandmarkMatch> SearchNear(const KeyframeMap& map, const FrameView& v
     const auto projection = camera.See({R_WA[anchor], map.keyframes()[anchor].translation, landmark.ray, landmark.rho});
     if (!projection) continue;
     const double spread = options.depth_sigmas * landmark.rho_sigma * projection->d_rho.norm();
+    const double radius = options.radius + std::min(spread, 2 * options.radius);
     candidates.clear();
-    grid.Near(projection->xy, options.radius + std::min(spread, 2 * options.radius),
-              [&](int i) { candidates.push_back(i); });
+    grid.Near(projection->xy, std::max(radius, options.rivals), [&](int i) { candidates.push_back(i); });
     const NearestFeature found = search.Find(landmark.descriptor, landmark.latest, candidates);
-    if (found.feature < 0) continue;
+    if (found.feature < 0 || (view.xy[size_t(found.feature)] - projection->xy).norm() > radius) continue;
     const LandmarkClaim claim = {int(l), landmark.observations.size(), found.distance};
     LandmarkClaim& present = claims[size_t(found.feature)];
     if (present.landmark < 0 || claim.Beats(present)) present = claim;

@@ -10,6 +10,22 @@ namespace {
 constexpr double kFocal_px = 280, kSigma_px = 0.4;
 constexpr int kKnown = 20;
 
+/// What a camera sees of points; each has a descriptor of its own, the same in all views.
+FrameView ViewOf(const std::vector<Eigen::Vector3d>& points, const Pose& X_WC, uint64_t seed) {
+  RandomStream noise(seed, "noise"), random(4, "descriptors");
+  FrameView view;
+  view.X_WC = X_WC;
+  const Pose X_CW = X_WC.Inverse();
+  const double sigma = kSigma_px / kFocal_px;
+  for (const Eigen::Vector3d& p_W : points) {
+    view.xy.push_back((X_CW * p_W).hnormalized() + sigma * Eigen::Vector2d(noise.Normal(), noise.Normal()));
+    view.sigma.push_back(sigma);
+  }
+  view.features.descriptors = cv::Mat(int(points.size()), 16, CV_32FC1);
+  for (float& value : cv::Mat_<float>(view.features.descriptors)) value = float(random.Uniform(0, 1));
+  return view;
+}
+
 /// Two keyframes of a wall about 1 m away, so that its depth is known; in the second another one, 4 m away, has come
 /// into view, whose depth is assumed to be that of the first.
 struct NearAndFarWall {
@@ -35,19 +51,7 @@ struct NearAndFarWall {
   }
 
   FrameView Seen(const Pose& X_WC, int count, uint64_t seed) const {
-    RandomStream noise(seed, "noise"), random(4, "descriptors");
-    FrameView view;
-    view.X_WC = X_WC;
-    const Pose X_CW = X_WC.Inverse();
-    for (int i = 0; i < count; ++i) {
-      const double sigma = kSigma_px / kFocal_px;
-      view.xy.push_back((X_CW * points[size_t(i)]).hnormalized() +
-                        sigma * Eigen::Vector2d(noise.Normal(), noise.Normal()));
-      view.sigma.push_back(sigma);
-    }
-    view.features.descriptors = cv::Mat(count, 16, CV_32FC1);
-    for (float& value : cv::Mat_<float>(view.features.descriptors)) value = float(random.Uniform(0, 1));
-    return view;
+    return ViewOf({points.begin(), points.begin() + count}, X_WC, seed);
   }
 };
 
@@ -66,6 +70,41 @@ TEST(LandmarkLocalizer, TheDepthAssumedOfNewLandmarksIsNoMeasureOfMotion) {
   int known = 0;
   for (const LandmarkMatch& match : found->inliers) known += match.feature < kKnown;
   EXPECT_GT(known, kKnown * 2 / 3);
+}
+
+TEST(LandmarkLocalizer, WhatLooksOtherwiseIsNoMatchThoughNothingElseIsNear) {
+  constexpr int kLandmarks = 400, kSeen = 80;
+  RandomStream random(1, "wall");
+  std::vector<Eigen::Vector3d> wall;
+  for (int i = 0; i < kLandmarks; ++i) {
+    wall.emplace_back(random.Uniform(-1, 1), random.Uniform(-0.8, 0.8), random.Uniform(1.8, 2.2));
+  }
+  KeyframeMap map{KeyframeMapOptions()};
+  FrameView first = ViewOf(wall, Pose(), 2);
+  map.AddKeyframe(first, {}, 2, [](const Pose&, const Eigen::Vector2d&) { return DepthPrior{0.5, 0.03}; });
+
+  // Other things have come before most of the wall, twice as many as were seen of it.
+  const Pose moved(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.02, 0, 0.02));
+  std::vector<Eigen::Vector3d> seen(wall.begin(), wall.begin() + kSeen);
+  for (int i = 0; i < 2 * kLandmarks; ++i) seen.emplace_back(random.Uniform(-1, 1), random.Uniform(-0.8, 0.8), 2);
+  FrameView second = ViewOf(seen, moved, 3);
+  cv::Mat_<float> descriptors = second.features.descriptors;
+  for (int i = kSeen; i < descriptors.rows; ++i) {
+    for (float& value : cv::Mat_<float>(descriptors.row(i))) value = float(random.Uniform(0, 1));
+  }
+  for (float& value : descriptors) value += float(0.05 * random.Normal());
+
+  const LandmarkLocalizer localizer(kFocal_px, 0.8, LandmarkLocalizerOptions());
+  PosePrediction prediction;
+  prediction.prior = localizer.PredictPosition(Eigen::Vector3d::Zero(), 100'000'000, 2);
+  RandomStream ransac(5, "ransac");
+  const auto found = localizer.Localize(map, second, prediction, ransac);
+  ASSERT_TRUE(found);
+  int right = 0;
+  for (const LandmarkMatch& match : found->inliers) right += match.landmark == match.feature;
+  EXPECT_GT(right, kSeen * 3 / 4);
+  EXPECT_LE(int(found->inliers.size()) - right, 2);
+  EXPECT_LT(found->matches, kSeen * 5 / 4);
 }
 
 }  // namespace
