@@ -1,5 +1,6 @@
 #include "algorithms/odometry/keyframe_vo.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <optional>
@@ -33,6 +34,14 @@ KeyframeMapOptions MapOptions(const KeyframeVoOptions& o) {
   return options;
 }
 
+int MaxFeatures(const KeyframeVoOptions& o, const CameraModel& camera) {
+  constexpr int kUsual = 800;
+  constexpr double kUsual_px = 320 * 240;
+  if (o.max_features > 0) return o.max_features;
+  const double share = double(camera.width_px) * camera.height_px / kUsual_px;
+  return int(std::lround(kUsual * std::max(1.0, share)));
+}
+
 /// Short, so that the gyroscope's unknown bias tilts little; what accelerations do to it, the mean over frames removes.
 constexpr double kGravityTime_s = 0.5;
 
@@ -46,6 +55,7 @@ class KeyframeVo::Tracker {
       : calibration_(calibration),
         camera_(calibration.camera),
         options_(options),
+        max_features_(MaxFeatures(options, camera_)),
         detector_(MakeFeature2d(options.feature, options.sensitivity)),
         random_(seed, "frame_to_frame_vo"),  // an old name: with another all results would be other samples
         random_of_backlog_(seed, "backlog"),
@@ -152,6 +162,7 @@ class KeyframeVo::Tracker {
   Calibration calibration_;
   CameraModel camera_;
   KeyframeVoOptions options_;
+  int max_features_;  ///< Of a frame.
   cv::Ptr<cv::Feature2D> detector_;
   BlurAwareFeature* blur_aware_ = nullptr;   ///< The same, where it is to be told of blur.
   RandomStream random_, random_of_backlog_;  ///< What is found later changes nothing of what is found at once.
@@ -184,7 +195,7 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   FrameEstimate answer;
   answer.stamp_ns = observation.stamp_ns;
   if (blur_aware_) TellBlur(observation);
-  FrameView view = ViewFrame(observation.image.pixels, camera_, *detector_, options_.max_features,
+  FrameView view = ViewFrame(observation.image.pixels, camera_, *detector_, max_features_,
                              {options_.localizer.sigma_px, options_.localizer.sigma_per_size});
   if (options_.shutter_by_imu && gyro_ && calibration_.readout_ms > 0) Unroll(observation.stamp_ns, view);
   answer.features = view.features.size();

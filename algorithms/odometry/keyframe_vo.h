@@ -41,9 +41,11 @@ struct KeyframeVoOptions {
   using DescribedTag = void;
 
   std::string feature = "mobif";  ///< Detector by name (algorithms/features/features.h).
-  int max_features = 800;         ///< Strongest features kept per frame.
+  /// Strongest features kept per frame; 0: 800 of 320 x 240 px and less, of larger images more in proportion to their
+  /// area: the strongest are the smallest, and too few of them are found again if they are far apart.
+  int max_features = 0;
   /// The detector's own threshold is divided by this. Blur and dim light take contrast; where there are more points
-  /// than `max_features`, the strongest are taken in any case.
+  /// than are kept, the strongest are taken in any case.
   double sensitivity = 100;
 
   // The fields of these are fields of these options.
@@ -78,7 +80,8 @@ struct KeyframeVoOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
   visit("feature", o.feature, FeatureNames(), "detector and descriptor");
-  visit("max_features", o.max_features, Between(50, 100000), "strongest features kept per frame");
+  visit("max_features", o.max_features, Between(0, 100000),
+        "strongest features kept per frame; 0: 800 of 320 x 240 px, of larger images more, by their area");
   visit("sensitivity", o.sensitivity, Between(0.01, 1000.0),
         "the detector's threshold is divided by this; orb does better with 4");
   VisitFields(visit, o.initializer);

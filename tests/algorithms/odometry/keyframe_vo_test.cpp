@@ -431,6 +431,24 @@ TEST(KeyframeVo, AGyroscopeSaysHowTheLightMoved) {
   EXPECT_LT(inliers(true, -1), 0.8 * blind);
 }
 
+TEST(KeyframeVo, LargerImagesKeepMoreFeaturesUnlessTheirNumberIsGiven) {
+  const auto features = [](int factor, int max_features) {
+    Calibration calibration = OneCamera();
+    calibration.camera.width_px = 320 * factor;
+    calibration.camera.height_px = 240 * factor;
+    KeyframeVoOptions options = KeyframeVoOptions::WithFeature("mobif_fast", 100);
+    options.max_features = max_features;
+    RandomStream random(1, "grain");
+    Observation frame;
+    frame.image.pixels = cv::Mat(240 * factor, 320 * factor, CV_8UC1);
+    for (uchar& grey : cv::Mat_<uchar>(frame.image.pixels)) grey = uchar(random.Index(256));
+    return KeyframeVo(calibration, options, 1).Track(frame).features;
+  };
+  EXPECT_LE(features(1, 0), 800);
+  EXPECT_GT(features(2, 0), 3 * features(1, 0));
+  EXPECT_EQ(features(2, 500), 500);
+}
+
 TEST(KeyframeVo, NoiseInitialisesNoMap) {
   RandomStream random(1, "noise");
   KeyframeVo vo(OneCamera(), Fast(), 1);
