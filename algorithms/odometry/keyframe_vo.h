@@ -42,7 +42,7 @@ struct KeyframeVoOptions {
 
   std::string feature = "mobif";  ///< Detector by name (algorithms/features/features.h).
   /// Strongest features kept per frame; 0: 800 of 320 x 240 px and less, of larger images more in proportion to their
-  /// area: the strongest are the smallest, and too few of them are found again if they are far apart.
+  /// area (results/studies/odometry_resolution: 800 of 640 x 480 px are too few).
   int max_features = 0;
   /// The detector's own threshold is divided by this. Blur and dim light take contrast; where there are more points
   /// than are kept, the strongest are taken in any case.
