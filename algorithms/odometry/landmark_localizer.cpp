@@ -114,9 +114,9 @@ std::optional<LandmarkPose> LandmarkLocalizer::Attempt::FindConsensusNearby(cons
   return refined;
 }
 
-/// A circle of this radius holds 0.8 of 800 features of 320 x 240 px: what is alone in it passes the ratio test, whatever
-/// it shows. Such matches lie near where the pose that was searched from has the landmark, and confirm it: they need
-/// rivals from farther off.
+/// A circle of this radius holds 0.8 of 800 features of 320 x 240 px: what is alone in it passes the ratio test,
+/// whatever it shows. Such matches lie near where the pose that was searched from has the landmark, and confirm it:
+/// they need rivals from farther off.
 std::vector<LandmarkMatch> LandmarkLocalizer::Attempt::SearchNarrowly(const Pose& X_WC) const {
   constexpr double kRadiusPx = 5, kRivalsPx = 20;
   const double px = noise_ / localizer_.focal_px_;
