@@ -34,10 +34,15 @@ KeyframeMapOptions MapOptions(const KeyframeVoOptions& o) {
   return options;
 }
 
+/// @throws BadOption if so few are asked for that there will be no map.
 int MaxFeatures(const KeyframeVoOptions& o, const CameraModel& camera) {
-  constexpr int kUsual = 800;
+  constexpr int kLeast = 50, kUsual = 800;
   constexpr double kUsual_px = 320 * 240;
-  if (o.max_features > 0) return o.max_features;
+  if (o.max_features > 0) {
+    if (o.max_features < kLeast)
+      throw BadOption("max_features: " + std::to_string(o.max_features) + " is too few; expected 0, or 50 to 100000");
+    return o.max_features;
+  }
   const double share = double(camera.width_px) * camera.height_px / kUsual_px;
   return int(std::lround(kUsual * std::max(1.0, share)));
 }

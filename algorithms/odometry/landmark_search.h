@@ -11,7 +11,7 @@ namespace gaitcam {
 struct LandmarkSearchOptions {
   double radius = 0.17;       ///< Search radius around a landmark's projection, normalised image coordinates ...
   double depth_sigmas = 2;    ///< ... to which so many standard deviations of it due to the depth are added.
-  double rivals = 0;          ///< Radius within which features are rivals in the ratio test, if that is larger.
+  double rivals = 0;          ///< Radius within which features are rivals in the ratio test, if larger; likewise.
   double ratio = 0.8;         ///< Nearest over second nearest descriptor distance.
   double same_point = 0.006;  ///< Features nearer to each other than this are one point with several orientations or
                               ///< scales: no rivals in the ratio test. Normalised image coordinates.

@@ -466,6 +466,9 @@ TEST(KeyframeVo, BadOptionsAndImagesAreRefused) {
   options.window = 1;
   EXPECT_THROW(KeyframeVo(OneCamera(), options, 1), BadOption);
   options = {};
+  options.max_features = 49;
+  EXPECT_THROW(KeyframeVo(OneCamera(), options, 1), BadOption);
+  options = {};
   options.feature = "mobiff";
   EXPECT_THROW(KeyframeVo(OneCamera(), options, 1), BadOption);
   options = {};
