@@ -22,6 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A landmark, its depth as its observations alone have it.
 struct Candidate {
   Eigen::Vector3d ray_W;  ///< r of equation 1: from Carried::at_W.
+  double length = 0;      ///< Of ray_W.
   double rho = 0, sigma = 0;
   bool is_seen_now = false;  ///< By the latest keyframe.
 };
@@ -44,7 +45,8 @@ std::vector<Candidate> CandidatesOf(const KeyframeMap& map, const Carried& carri
     candidate.sigma = 1 / std::sqrt(seen);
     candidate.is_seen_now = landmark.last_keyframe == newest;
     candidate.ray_W += candidate.rho * (anchor.translation - carried.at_W);
-    const bool below = -up_W.dot(candidate.ray_W) > kMinDescent * candidate.ray_W.norm();
+    candidate.length = candidate.ray_W.norm();
+    const bool below = -up_W.dot(candidate.ray_W) > kMinDescent * candidate.length;
     if (below && candidate.sigma < kMaxDepthSigma * candidate.rho) candidates.push_back(candidate);
   }
   return candidates;
@@ -56,7 +58,7 @@ struct Residual {
 };
 Residual ResidualOf(const Candidate& candidate, const Eigen::Vector3d& m, double tilt_sigma) {
   const double expected = -m.dot(candidate.ray_W);
-  const double tilt = tilt_sigma * m.norm() * candidate.ray_W.norm();
+  const double tilt = tilt_sigma * m.norm() * candidate.length;
   return {candidate.rho - expected,
           std::sqrt(candidate.sigma * candidate.sigma + std::pow(kBobbing * expected, 2) + tilt * tilt)};
 }
@@ -78,8 +80,9 @@ std::optional<Eigen::Vector3d> LevelFloor(const std::vector<Candidate>& candidat
     const Eigen::Vector3d m = through.rho / -up_W.dot(through.ray_W) * up_W;
     double score = 0;
     int on = 0, below = 0;
-    for (const Candidate& candidate : candidates) {
-      const Residual residual = ResidualOf(candidate, m, kGravitySigma_rad);
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      if (score + double(candidates.size() - i) < best_score) break;  // each adds 1 at most
+      const Residual residual = ResidualOf(candidates[i], m, kGravitySigma_rad);
       const double off = residual.value / residual.sigma;
       if (std::abs(off) < kMaxSigmas) {
         ++on;
