@@ -11,6 +11,8 @@ namespace {
 constexpr int kSteps = 17;                // of an exposure
 constexpr double kExtent2PerSpread = 12;  // of a uniform turn
 constexpr double kLongAgo_s = 0.3;        // for a velocity
+// A gyroscope's errors as a bench leaves them.
+constexpr double kMisaligned_rad = 0.5 * kRadPerDeg, kOffset_s = 2e-3, kBias_rad_s = 0.01;
 
 /// Its square times an acceleration over 24 is the distance of the mean of a motion from its middle.
 double MeanOffset(double seconds) { return seconds * seconds / 24; }
@@ -73,21 +75,35 @@ std::vector<ExposureRotation> ExposureMotion::Rotations() const {
   return rotations;
 }
 
-std::vector<Pose> ExposureMotion::Path() const { return PathAt(Rotations()); }
+std::vector<Pose> ExposureMotion::Path() const { return PathAt(Rotations(), stamp_ns_); }
+
+std::vector<std::vector<Pose>> ExposureMotion::PathsOfRows(double readout_ms) const {
+  const std::vector<Pose> of_middle = Path();
+  if (of_middle.empty()) return {};
+  const int64_t half_ns = std::llround(0.5 * readout_ms * kNsPerMs);
+  if (half_ns <= 0 || !HasGyro()) return {of_middle};
+  std::vector<std::vector<Pose>> paths;
+  for (int row = 0; row < kSteps; ++row) {
+    const int64_t later_ns = 2 * half_ns * row / (kSteps - 1) - half_ns;
+    paths.push_back(PathAt(IntegrateRotation(readings_, imu_, open_ns_ + later_ns, close_ns_ + later_ns, kSteps),
+                           stamp_ns_ + later_ns));
+  }
+  return paths;
+}
 
 std::vector<Pose> ExposureMotion::ReadoutPath(double readout_ms) const {
   const int64_t half_ns = std::llround(0.5 * readout_ms * kNsPerMs);
   if (half_ns <= 0 || !HasGyro()) return {};
-  return PathAt(IntegrateRotation(readings_, imu_, stamp_ns_ - half_ns, stamp_ns_ + half_ns, kSteps));
+  return PathAt(IntegrateRotation(readings_, imu_, stamp_ns_ - half_ns, stamp_ns_ + half_ns, kSteps), stamp_ns_);
 }
 
 /// The IMU goes uniformly; the camera also turns about it.
-std::vector<Pose> ExposureMotion::PathAt(const std::vector<ExposureRotation>& rotations) const {
+std::vector<Pose> ExposureMotion::PathAt(const std::vector<ExposureRotation>& rotations, int64_t middle_ns) const {
   const Eigen::Vector3d velocity = Velocity(), p_I = MovingPoint();
   std::vector<Pose> path;
   for (const ExposureRotation& r : rotations) {
     const Eigen::Quaterniond R_MT = r.rotation.conjugate();
-    const double seconds = 1e-9 * double(r.stamp_ns - stamp_ns_);
+    const double seconds = 1e-9 * double(r.stamp_ns - middle_ns);
     path.push_back(Pose(R_MT, velocity * seconds + p_I - R_MT * p_I).Inverse());
   }
   return path;
@@ -174,10 +190,24 @@ double ExposureMotion::TurnSigma() const {
   const double seconds = double(stamp_ns_ - poses_.back().stamp_ns) * 1e-9;
   constexpr double kHead_rad_s = 2;
   if (!HasGyro() || !(seconds > 0)) return kHead_rad_s * std::max(0.0, seconds);
-  constexpr double kMisaligned_rad = 0.5 * kRadPerDeg, kOffset_s = 2e-3, kBias_rad_s = 0.01;
   const double turn = RotationAngle(Eigen::Quaterniond::Identity(), TurnSinceLastPose());
   const double change = (ReadingAt(stamp_ns_).angular_rate - ReadingAt(poses_.back().stamp_ns).angular_rate).norm();
   return Eigen::Vector3d(kMisaligned_rad * turn, kOffset_s * change, kBias_rad_s * seconds).norm();
+}
+
+Eigen::Matrix3d ExposureMotion::RateCovariance(double readout_ms) const {
+  const int64_t half_ns = std::llround(0.5 * readout_ms * kNsPerMs);
+  if (half_ns <= 0 || !HasGyro()) return Eigen::Matrix3d::Zero();
+  const Eigen::Vector3d middle = ReadingAt(stamp_ns_).angular_rate;
+  Eigen::Matrix3d covariance =
+      std::pow(kMisaligned_rad, 2) * (middle.squaredNorm() * Eigen::Matrix3d::Identity() - middle * middle.transpose());
+  for (const int64_t end_ns : {-half_ns, half_ns}) {
+    const Eigen::Vector3d late =
+        kOffset_s / (1e-9 * double(half_ns)) * (ReadingAt(stamp_ns_ + end_ns).angular_rate - middle);
+    covariance += 0.5 * late * late.transpose();
+  }
+  const Eigen::Matrix3d R_CI = imu_.X_CI.R();
+  return R_CI * covariance * R_CI.transpose();
 }
 
 /// The first at or after an instant.

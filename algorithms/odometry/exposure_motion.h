@@ -38,8 +38,12 @@ class ExposureMotion {
   /// Where the camera was over the present frame's exposure, at equally spaced instants, as poses that map points of
   /// the camera at mid-exposure into the camera then. None where Rotations() has none.
   std::vector<Pose> Path() const;
-  /// The same at the instants at which rows are exposed, evenly spaced from the first to the last, if a shutter rolls
-  /// for so long about the frame's stamp. None where the IMU did not measure it, or nothing rolls.
+  /// The same over the exposures of rows evenly spaced from the first to the last, each against the camera at that
+  /// row's mid-exposure, if a shutter rolls for so long about the frame's stamp. Path() alone where the IMU did not
+  /// measure it, or nothing rolls; none where Path() has none.
+  std::vector<std::vector<Pose>> PathsOfRows(double readout_ms) const;
+  /// Where the camera was when those rows were in the middle of their exposure, against the frame's stamp. None where
+  /// the IMU did not measure it, or nothing rolls.
   std::vector<Pose> ReadoutPath(double readout_ms) const;
   /// Of what goes uniformly for so short a time, at mid-exposure, m/s in the camera's frame: of the IMU's origin, or of
   /// the camera where there is none; zero where nothing is known.
@@ -56,6 +60,9 @@ class ExposureMotion {
   /// How wrong the turn may be, one standard deviation about each axis, rad: by a gyroscope as a bench calibrates it
   /// (0.5 deg of misalignment, 2 ms of offset, 0.01 rad/s of bias), or, without one, as fast as a head turns.
   double TurnSigma() const;
+  /// Covariance of the gyroscope's rate while a shutter rolls for so long, (rad/s)^2 in the camera's frame: by the same
+  /// misalignment and offset. A bias, which shears all frames alike, is not in it. Zero where ReadoutPath() has none.
+  Eigen::Matrix3d RateCovariance(double readout_ms) const;
 
   /// Covariance over the exposure of the turn against its middle, rad^2. Of a uniform turn by a it is a^2 / 12.
   Eigen::Matrix3d TurnSpread() const;
@@ -78,7 +85,7 @@ class ExposureMotion {
   Change ChangeSince(const StampedPose& from, int64_t to_ns) const;
   void LearnVelocity(const StampedPose& before, const StampedPose& now);
   bool KnowsVelocity() const;
-  std::vector<Pose> PathAt(const std::vector<ExposureRotation>& rotations) const;
+  std::vector<Pose> PathAt(const std::vector<ExposureRotation>& rotations, int64_t middle_ns) const;
 
   ImuCalibration imu_;
   bool use_imu_;

@@ -144,10 +144,19 @@ void RefuseSwapped(const StereoRig& rig, const StereoView& view) {
 
 ImageMotion ImageMotion::Of(const Pose& X_TO) const {
   ImageMotion other = *this;
-  for (std::vector<Pose>* poses : {&other.exposure, &other.readout}) {
-    for (Pose& X_TM : *poses) X_TM = X_TO.Inverse() * X_TM * X_TO;
-  }
+  const auto carry = [&X_TO](std::vector<Pose>& poses) {
+    for (Pose& X_TM : poses) X_TM = X_TO.Inverse() * X_TM * X_TO;
+  };
+  for (std::vector<Pose>& exposure : other.exposures) carry(exposure);
+  carry(other.readout);
   return other;
+}
+
+const std::vector<Pose>& ImageMotion::ExposureAt(const CameraModel& camera, double y_px) const {
+  static const std::vector<Pose> kNone;
+  if (exposures.empty()) return kNone;
+  const double share = std::clamp(y_px / std::max(1.0, camera.height_px - 1.0), 0.0, 1.0);
+  return exposures[size_t(std::lround(share * double(exposures.size() - 1)))];
 }
 
 void UndoMotion(const CameraModel& camera, const ImageMotion& motion, const std::vector<double>& inverse_depths,
@@ -158,11 +167,12 @@ void UndoMotion(const CameraModel& camera, const ImageMotion& motion, const std:
   for (size_t i = 0; i < features.size(); ++i) {
     const cv::KeyPoint& keypoint = features.features.keypoints[i];
     const double inverse_depth = inverse_depths.empty() ? 0 : inverse_depths[i];
-    Eigen::Vector2d seen(keypoint.pt.x, keypoint.pt.y);
-    seen -= RowOffset(camera, motion.readout, seen, inverse_depth);
-    const Eigen::Matrix2d spread = BlurSpread(camera, motion.exposure, seen, inverse_depth);
-    const Eigen::Vector2d pixel =
-        seen - BlurOffset(camera, motion.exposure, seen, inverse_depth, noise.offset_scale * keypoint.size);
+    const Eigen::Vector2d seen(keypoint.pt.x, keypoint.pt.y);
+    const std::vector<Pose>& exposure = motion.ExposureAt(camera, seen.y());
+    const Eigen::Matrix2d spread = BlurSpread(camera, exposure, seen, inverse_depth);
+    Eigen::Vector2d pixel =
+        seen - BlurOffset(camera, exposure, seen, inverse_depth, noise.offset_scale * keypoint.size);
+    pixel -= RowOffset(camera, motion.readout, pixel, inverse_depth);
     features.pixel[i] = pixel;
     features.xy[i] = camera.Unproject(pixel).head<2>();
     features.covariance_px.push_back(KeypointCovariance(keypoint, spread, features.noise_px[i], noise));

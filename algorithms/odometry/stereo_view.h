@@ -45,12 +45,17 @@ struct CameraFeatures {
   size_t size() const { return xy.size(); }
 };
 
-/// How a camera moved while an image was taken. Poses map points of the camera at mid-exposure of the row in the
-/// middle, which is the frame's stamp, into the camera at another instant.
+/// How a camera moved while an image was taken.
 struct ImageMotion {
-  std::vector<Pose> exposure;  ///< Over the exposure, as of BlurSpread; empty: as if nothing had moved.
-  std::vector<Pose> readout;   ///< When rows were exposed, as of RowOffset; empty: all at once.
+  /// Over the exposure of rows evenly spaced from the first to the last, as of BlurSpread: poses map points of the
+  /// camera at that row's mid-exposure. One: of all rows; none: as if nothing had moved.
+  std::vector<std::vector<Pose>> exposures;
+  /// When rows were exposed, as of RowOffset: poses map points of the camera at mid-exposure of the row in the middle,
+  /// which is the frame's stamp. Empty: all at once.
+  std::vector<Pose> readout;
 
+  /// Of the row at this height.
+  const std::vector<Pose>& ExposureAt(const CameraModel& camera, double y_px) const;
   /// Of a camera fixed to this one, X_(this)(other).
   ImageMotion Of(const Pose& X_TO) const;
 };

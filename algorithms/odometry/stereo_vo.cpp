@@ -71,6 +71,7 @@ class StereoVo::Tracker {
     Pose X_KC;
     LensErrors lens_errors = LensErrors::Zero();  ///< Of X_KC.
     Matrix6d unknown_motion = Matrix6d::Zero();
+    Eigen::Matrix3d rate_covariance = Eigen::Matrix3d::Zero();  ///< Of the turn by which a rolling shutter was undone.
     double residuals_share = 1;
     std::vector<std::pair<int, RigSighting>> sightings;  ///< By landmark; the landmarks' positions are looked up.
   };
@@ -106,6 +107,7 @@ class StereoVo::Tracker {
   void Answer(const RigPoseResult& result, const std::vector<int>& landmarks, Passed& passed, Record& record) const;
   Matrix6d SharedLive(int keyframe, const LandmarkGains& now, Passed& passed) const;
   Matrix6d SharedFinal(int keyframe, const LandmarkGains& now, Passed& passed) const;
+  Eigen::Matrix<double, 6, 3> ByRate(const LandmarkGains& gains) const;
   void SayCovariance(const Matrix6d& own, const Matrix6d& shared, const Pose& X_KC, Record& record) const;
   void FinishBefore(int keyframe);
   void FinishRecord(Record& record);
@@ -141,6 +143,7 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
   if (const auto view = View(observation)) {
     record.answer.features = int(view->left.size());
     record.unknown_motion = motion_.UnknownMotion(options_.noise.common_per_blur);
+    record.rate_covariance = motion_.RateCovariance(readout_ms_);
     NoteBlur();
     record.residuals_share =
         options_.noise.residuals_share + options_.noise.hidden_per_blur * rig_.left.fx * motion_.Extent();
@@ -156,7 +159,7 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
 std::optional<StereoView> StereoVo::Tracker::View(const Observation& observation) {
   if (!IsPair(observation, records_.empty())) return {};
   StereoView view = DetectInBoth(observation, rig_, *detector_, options_.max_features);
-  const ImageMotion of_left{motion_.Path(), motion_.ReadoutPath(readout_ms_)};
+  const ImageMotion of_left{motion_.PathsOfRows(readout_ms_), motion_.ReadoutPath(readout_ms_)};
   const ImageMotion of_right = of_left.Of(map_.rig().X_LR);
   UndoMotion(rig_.left, of_left, {}, options_.noise, view.left);
   UndoMotion(rig_.right, of_right, {}, options_.noise, view.right);
@@ -171,7 +174,7 @@ std::optional<StereoView> StereoVo::Tracker::View(const Observation& observation
 void StereoVo::Tracker::UndoMotionOfNear(const ImageMotion& of_left, const ImageMotion& of_right,
                                          StereoView& view) const {
   const std::vector<double> inverse_depths = InverseDepths(map_.rig(), view);
-  if ((of_left.exposure.empty() && of_left.readout.empty()) || inverse_depths.empty()) return;
+  if ((of_left.exposures.empty() && of_left.readout.empty()) || inverse_depths.empty()) return;
   std::vector<double> right(view.right.size(), 0);
   for (size_t i = 0; i < view.left.size(); ++i) {
     if (view.partner[i] >= 0) right[size_t(view.partner[i])] = inverse_depths[i];
@@ -366,7 +369,9 @@ void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<in
   constexpr double kOfTwoFrames = 0.5, kLeastShare = 0.1;
   const Matrix6d modelled =
       result.covariance_own + kOfTwoFrames * DifferenceOfLandmarks(passed.before, now, map_.landmarks());
-  const Matrix6d own = record.residuals_share * result.covariance_by_residuals + kLeastShare * modelled;
+  const Eigen::Matrix<double, 6, 3> by_rate = ByRate(now);
+  const Matrix6d own = record.residuals_share * result.covariance_by_residuals + kLeastShare * modelled +
+                       by_rate * record.rate_covariance * by_rate.transpose();
   FrameEstimate& answer = record.answer;
   answer.status = TrackingStatus::kTracking;
   answer.pose = result.X_WC;
@@ -376,6 +381,21 @@ void StereoVo::Tracker::Answer(const RigPoseResult& result, const std::vector<in
       &passed == &live_ ? SharedLive(record.keyframe, now, passed) : SharedFinal(record.keyframe, now, passed);
   SayCovariance(own + record.unknown_motion, shared, X_KC, record);
   passed.before = std::move(now);
+}
+
+/// What an error of the rate by which a rolling shutter was undone does to a pose, d tau / d rate in the camera's
+/// frame, s: it turns every point about the camera for the time from the stamp to the point's row.
+Eigen::Matrix<double, 6, 3> StereoVo::Tracker::ByRate(const LandmarkGains& gains) const {
+  Eigen::Matrix<double, 6, 3> by_rate = Eigen::Matrix<double, 6, 3>::Zero();
+  const Pose X_CW = gains.X_WC.Inverse();
+  for (const auto& [landmark, by_point] : gains.by_landmark) {
+    const Eigen::Vector3d p_C = X_CW * map_.landmarks()[size_t(landmark)].p_W;
+    const auto pixel = rig_.left.Project(p_C);
+    if (!pixel) continue;
+    const double seconds = 1e-3 * readout_ms_ * (pixel->y() / std::max(1.0, rig_.left.height_px - 1.0) - 0.5);
+    by_rate += seconds * by_point * (gains.X_WC.R() * Hat(p_C));
+  }
+  return by_rate;
 }
 
 /// What the map adds to the error of a pose in it: with the keyframe's, and what landmarks add since then.

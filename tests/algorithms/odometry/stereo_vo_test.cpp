@@ -119,17 +119,22 @@ TEST(StereoVo, WhatFramesShareGrowsFromTheKeyframeOnAndNeverShrinks) {
   }
 }
 
-// Errors of neighbouring frames hang together, so that 29 motions are no 174 numbers: within a factor of four.
-TEST(StereoVo, TheMotionFromFrameToFrameIsAsWrongAsItSays) {
-  const std::vector<FrameEstimate>& frames = TrackedSideways().last_word;
+/// Of the motions between neighbouring frames, per dimension, mean.
+double NeesFrameToFrame(const std::vector<FrameEstimate>& frames, const Film& film) {
   double nees = 0;
   for (size_t i = 1; i < frames.size(); ++i) {
     const Pose motion = MotionOf(frames, i - 1, i);
     const Matrix6d earlier = *frames[i - 1].covariance - 2 * *frames[i - 1].own_covariance;
     const Matrix6d covariance = *frames[i].covariance - CarryCovariance(earlier, motion);
-    const Vector6d error = Minus(TrueMotion(Sideways(), i - 1, i), motion);
+    const Vector6d error = Minus(TrueMotion(film, i - 1, i), motion);
     nees += error.dot(covariance.llt().solve(error)) / 6 / double(frames.size() - 1);
   }
+  return nees;
+}
+
+// Errors of neighbouring frames hang together, so that 29 motions are no 174 numbers: within a factor of four.
+TEST(StereoVo, TheMotionFromFrameToFrameIsAsWrongAsItSays) {
+  const double nees = NeesFrameToFrame(TrackedSideways().last_word, Sideways());
   EXPECT_GT(nees, 0.25);
   EXPECT_LT(nees, 4);
 }
@@ -322,16 +327,22 @@ TEST(RowOffset, APointIsPutWhereItWasAtTheStamp) {
   EXPECT_EQ(RowOffset(camera, {}, {30, 20}, 1), Eigen::Vector2d(0, 0)) << "nothing rolls";
 }
 
-TEST(StereoVo, TheImuUndoesARollingShutter) {
-  const Calibration rig = Rolling(Rig());
-  Film film = RollingFilm(rig.camera, 40);
-  const Film right = RollingFilm(*rig.right, 40, rig.X_LR);
+/// Of both cameras.
+Film RollingStereoFilm(int frames) {
+  const Calibration rig = Rig();
+  Film film = RollingFilm(rig.camera, frames);
+  const Film right = RollingFilm(*rig.right, frames, rig.X_LR);
   for (size_t i = 0; i < film.frames.size(); ++i) film.frames[i].right = right.frames[i].image;
+  return film;
+}
+
+TEST(StereoVo, TheImuUndoesARollingShutter) {
+  const Film film = RollingStereoFilm(40);
   double rmse_m[2];
   for (const bool by_imu : {false, true}) {
     StereoVoOptions options = Small();
     options.shutter_by_imu = by_imu;
-    StereoVo vo(rig, options, 1);
+    StereoVo vo(Rolling(Rig()), options, 1);
     TrackAll(vo, film.frames);
     Estimate final_estimate;
     final_estimate.frames = vo.Finish();
@@ -339,6 +350,42 @@ TEST(StereoVo, TheImuUndoesARollingShutter) {
     rmse_m[by_imu] = AlignedError(final_estimate, film.truth).rmse_m;
   }
   EXPECT_LT(rmse_m[true], 0.5 * rmse_m[false]) << rmse_m[true] << " and " << rmse_m[false];
+}
+
+// A bench knows a gyroscope's clock to 2 ms, one standard deviation; this one is 4 ms late.
+TEST(StereoVo, KnowsHowWrongAShutterIsUndone) {
+  Film film = RollingStereoFilm(30);
+  for (Observation& frame : film.frames) {
+    for (ImuSample& sample : frame.imu) sample.stamp_ns += 4'000'000;
+  }
+  StereoVo vo(Rolling(Rig()), Small(), 1);
+  TrackAll(vo, film.frames);
+  const double nees = NeesFrameToFrame(vo.Finish(), film);
+  EXPECT_GT(nees, 0.25);
+  EXPECT_LT(nees, 4);
+}
+
+CameraFeatures TwoFeatures(const CameraModel& camera) {
+  CameraFeatures features;
+  for (const float y : {0.f, float(camera.height_px - 1)}) features.features.keypoints.emplace_back(120.f, y, 4.f);
+  features.pixel.resize(2);
+  features.xy.resize(2);
+  features.noise_px.assign(2, Eigen::Matrix2d::Zero());
+  return features;
+}
+
+TEST(UndoMotion, APointIsSmearedAsTheCameraMovedWhileItsOwnRowWasOpen) {
+  const CameraModel camera = Rig().camera;
+  const std::vector<Pose> still(5), turning = Turn({-0.04, -0.04, 0, 0.01, 0.01});
+  CameraFeatures first = TwoFeatures(camera), last = first, all = first;
+  UndoMotion(camera, {{turning, still}, {}}, {}, {}, first);
+  UndoMotion(camera, {{still, turning}, {}}, {}, {}, last);
+  UndoMotion(camera, {{turning}, {}}, {}, {}, all);
+  EXPECT_EQ(first.pixel[1], Eigen::Vector2d(120, camera.height_px - 1));
+  EXPECT_GT(std::abs(first.pixel[0].x() - 120), 1);
+  EXPECT_EQ(first.pixel[0], all.pixel[0]);
+  EXPECT_EQ(last.pixel[1], all.pixel[1]);
+  EXPECT_GT(first.covariance_px[0](0, 0), 2 * first.covariance_px[1](0, 0));
 }
 
 TEST(StereoView, AFeatureWithoutAPartnerIsAsFarAsTheNearestThatHasOne) {
@@ -407,6 +454,17 @@ TEST(ExposureMotion, TheGyroscopesTurnIsAsExactAsABenchCalibratesIt) {
   const double jerked = TurnedBy(-0.5, 1, true).TurnSigma();  // no turn in all
   EXPECT_NEAR(jerked, std::hypot(standing, 1 * 2e-3), 0.05 * jerked) << "2 ms late";
   EXPECT_NEAR(TurnedBy(0, 0, false).TurnSigma(), 2 * 0.1, 1e-9) << "no gyroscope: as fast as a head turns";
+}
+
+TEST(ExposureMotion, TheRateWhileAShutterRollsIsAsExactAsABenchCalibratesIt) {
+  const double misaligned = std::pow(0.5 * kRadPerDeg, 2), late = std::pow(2e-3 * 3 / 0.1, 2);
+  const Eigen::Matrix3d across = Eigen::Vector3d(1, 0, 1).asDiagonal(), along = Eigen::Vector3d(0, 1, 0).asDiagonal();
+  const auto off = [](const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) { return (a - b).norm() / b.norm(); };
+  EXPECT_LT(off(TurnedBy(1, 0, true).RateCovariance(20), misaligned * across), 1e-9);
+  const double rate = 3;  // at the stamp
+  EXPECT_LT(off(TurnedBy(0, 3, true).RateCovariance(20), misaligned * rate * rate * across + late * along), 1e-9);
+  EXPECT_TRUE(TurnedBy(1, 0, true).RateCovariance(0).isZero(0)) << "nothing rolls";
+  EXPECT_TRUE(TurnedBy(1, 0, false).RateCovariance(20).isZero(0)) << "nothing was undone";
 }
 
 /// A head that starts from rest, sways, nods and advances; the IMU is a trunk below it.
@@ -489,6 +547,27 @@ TEST(ExposureMotion, TheCamerasPathIsThatOfAnImuBelowIt) {
   EXPECT_LT(errors.path_m, 0.001);
   EXPECT_LT(errors.path_rad, 0.001);
   EXPECT_LT(errors.prediction_m, 0.002) << "a frame further";
+}
+
+// Exposures of 30 ms, from the first row's to the last row's 20 ms. A gyroscope's samples are 4 ms apart.
+TEST(ExposureMotion, EveryRowHasTheExposureOfItsOwnTime) {
+  SwayingHead head;
+  ExposureMotion motion(head.imu(), true);
+  double error_rad = 0, as_the_middle_rad = 0;
+  for (int64_t t = 100'000'000; t < 1'400'000'000; t += 33'333'333) {
+    motion.Add(head.Frame(t, true));
+    const std::vector<std::vector<Pose>> paths = motion.PathsOfRows(20);
+    ASSERT_EQ(paths.size(), 17u);
+    for (const size_t row : {0u, 4u, 8u, 12u, 16u}) {
+      const int64_t middle_ns = t + int64_t(20'000'000 * (double(row) / 16 - 0.5));
+      const Pose X_TM = head.At(middle_ns - 15'000'000).Inverse() * head.At(middle_ns);
+      error_rad = std::max(error_rad, RotationAngle(paths[row].front().rotation, X_TM.rotation));
+      as_the_middle_rad = std::max(as_the_middle_rad, RotationAngle(paths[8].front().rotation, X_TM.rotation));
+    }
+    motion.AddPose(t, head.At(t));
+  }
+  EXPECT_LT(error_rad, 0.2 * as_the_middle_rad) << "of " << as_the_middle_rad;
+  EXPECT_GT(as_the_middle_rad, 0.003);
 }
 
 TEST(ExposureMotion, WithoutImuTheCameraGoesOnAsItWent) {
