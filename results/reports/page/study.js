@@ -102,6 +102,7 @@ function scatter(canvas, c) {
   const o = options(axis(c.x, {beginAtZero: true}), scaleY(c, values));
   o.interaction = {mode: 'nearest', axis: 'xy', intersect: false};
   o.normalized = false;
+  o.parsing = true;  // else Chart.js takes runs to be sorted by blur, and ends the axis at the last one's
   o.plugins.tooltip.callbacks.title = () => '';
   o.plugins.tooltip.callbacks.label = i => ' ' + i.dataset.label + ': ' + digits(i.parsed.y) + ' at ' + digits(i.parsed.x) + ' px' + (i.raw.n ? ', n = ' + i.raw.n : '');
   return new Chart(canvas, {type: 'line', data: {datasets: sets}, options: o});

@@ -41,6 +41,30 @@ TEST(StudyReport, AStudyOfOneAxisIsDrawnToo) {
   ExpectAllDrawn(Browse(WritePage(study.input, folder, "one_axis.html")), "6");
 }
 
+TEST(StudyReport, NoRunLiesBeyondTheAxesOfItsCharts) {
+  if (!HaveChromium()) GTEST_SKIP() << "no chromium on this machine";
+  const TemporaryFolder folder;
+  MadeUpStudy study;
+  study.table.runs[study.table.runs.size() / 2].blur_median_px = 40;  // more than the first and the last have
+  const fs::path page = WritePage(study.input, folder, "axes.html");
+  std::ofstream(page, std::ios::app) << R"(<script>
+    let points = 0, beyond = 0;
+    for (const chart of Object.values(Chart.instances))
+      for (const set of chart.data.datasets)
+        for (const p of set.data) {
+          const {x, y} = chart.scales;
+          ++points;
+          if (p.x < x.min || p.x > x.max || p.y < y.min || p.y > y.max) ++beyond;
+        }
+    document.body.dataset.points = points;
+    document.body.dataset.beyond = beyond;
+  </script>)";
+  const Browsed browsed = Browse(page, "--window-size=1280,1000");
+  EXPECT_EQ(browsed.complaints, "");
+  EXPECT_EQ(Attribute(browsed.dom, "data-beyond"), "0");
+  EXPECT_GT(std::stoi(Attribute(browsed.dom, "data-points")), 3 * int(study.table.runs.size()));
+}
+
 /// To the systems, whose axis then is one of the charts'.
 void GiveLongNames(MadeUpStudy& study) {
   for (std::string& level : study.table.axes[2].levels)
