@@ -13,9 +13,9 @@
 /// A pose's covariance has two parts. One comes with the map: it grows from keyframe to keyframe, by what the window's
 /// adjustment says, and frames near each other share it. The other, `own_covariance`, is the frame's own: its images'
 /// errors, that of landmarks which its neighbour does not use, and what is not known of the motion while the shutter
-/// was open. Beside them stands what a lens that is calibrated a little wrong does to all frames alike, as far as the
-/// calibration says how wrong it may be (algorithms/geometry/lens_errors.h). Source of the idea, and of the method
-/// without a map: Valencia, chapter 2.
+/// was open, and rolled. Beside them stands what a lens that is calibrated a little wrong does to all frames alike, as
+/// far as the calibration says how wrong it may be (algorithms/geometry/lens_errors.h). Source of the idea, and of the
+/// method without a map: Valencia, chapter 2.
 ///
 /// The world frame W is the first keyframe's left camera. No loop closure.
 
