@@ -99,6 +99,12 @@ class KeyframeVo::Tracker {
     int64_t stamp_ns = 0;
   };
 
+  /// How the camera turned between two instants, by the gyroscope.
+  struct Turned {
+    int64_t since_ns = 0, until_ns = 0;
+    Eigen::Quaterniond rotation;  ///< Maps directions of the camera at the end into it at the beginning.
+  };
+
   /// Frames before a map's first pose, localised from the latest back to the first.
   struct Backlog {
     std::vector<PendingFrame> frames;  ///< In time order: the last one is next.
@@ -149,6 +155,7 @@ class KeyframeVo::Tracker {
   void Unroll(int64_t stamp_ns, FrameView& view) const;
   void LearnBias(const Pose& X_WC, int64_t stamp_ns);
   bool Initialize(FrameView& view, int64_t stamp_ns, std::optional<Pose>& predicted);
+  std::optional<KnownTurn> TurnSinceReference(int64_t stamp_ns);
   Pose PredictPose(int64_t stamp_ns) const;
   bool Localize(FrameView& view, const Observation& observation);
   void Extend(FrameView& view, int64_t stamp_ns);
@@ -180,6 +187,7 @@ class KeyframeVo::Tracker {
   FrameRecords records_;
   std::optional<Metric> metric_;
   std::optional<GyroTurn> gyro_;  ///< Where it is asked for and there is one.
+  std::optional<Turned> turned_;  ///< Since the initialiser's reference, as far as it was measured.
 
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int matches_ = 0;                     ///< Likewise; 0 where there was no map yet.
@@ -237,10 +245,11 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
 /// @param predicted set to the rotation alone, where that is asked for and there is no map yet
 /// @returns whether there is a map now, and the frame has a pose in it
 bool KeyframeVo::Tracker::Initialize(FrameView& view, int64_t stamp_ns, std::optional<Pose>& predicted) {
-  const MapInitializer::Result result = initializer_.Add(view, UpNow(), random_);
+  const MapInitializer::Result result = initializer_.Add(view, UpNow(), TurnSinceReference(stamp_ns), random_);
   if (result == MapInitializer::Result::kReference) {
     waiting_.clear();
     X_WR_ = expected_;
+    turned_ = {stamp_ns, stamp_ns, Eigen::Quaterniond::Identity()};
   }
   if (result != MapInitializer::Result::kInitialized) {
     if (options_.rotation_before_map && initializer_.rotation()) {
@@ -261,6 +270,23 @@ bool KeyframeVo::Tracker::Initialize(FrameView& view, int64_t stamp_ns, std::opt
   inliers_ = pair.matches;
   AddKeyframe(view, stamp_ns);
   return true;
+}
+
+/// By the gyroscope, where there is one and it measured all the time: as far as its bias is known, and aligned by a
+/// bench.
+std::optional<KnownTurn> KeyframeVo::Tracker::TurnSinceReference(int64_t stamp_ns) {
+  if (!gyro_ || !turned_) return {};
+  const auto turn = gyro_->Between(turned_->until_ns, stamp_ns);
+  if (!turn) {
+    turned_.reset();
+    return {};
+  }
+  turned_->until_ns = stamp_ns;
+  turned_->rotation = (turned_->rotation * ExpSo3(*turn)).normalized();
+  constexpr double kMisaligned_rad = 0.5 * kRadPerDeg;
+  const double seconds = 1e-9 * double(stamp_ns - turned_->since_ns);
+  const double angle = RotationAngle(Eigen::Quaterniond::Identity(), turned_->rotation);
+  return KnownTurn{turned_->rotation, std::hypot(gyro_->bias_sigma() * seconds, kMisaligned_rad * angle)};
 }
 
 /// The last pose, turned since as the gyroscope says.

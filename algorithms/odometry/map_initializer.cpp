@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "algorithms/core/median.h"
+#include "algorithms/core/se3.h"
 #include "algorithms/core/units.h"
 #include "algorithms/geometry/inverse_depth.h"
 #include "algorithms/geometry/triangulation.h"
@@ -11,7 +12,7 @@
 namespace gaitcam {
 
 MapInitializer::Result MapInitializer::Add(const FrameView& view, const std::optional<Eigen::Vector3d>& up_C,
-                                           RandomStream& random) {
+                                           const std::optional<KnownTurn>& turn, RandomStream& random) {
   ++frames_;
   rotation_.reset();
   std::vector<Match> matches;
@@ -37,7 +38,7 @@ MapInitializer::Result MapInitializer::Add(const FrameView& view, const std::opt
   }
   misses_ = 0;
   rotation_ = RotationAlone(view, matches, two_view);
-  if (!IsCertain(two_view) || !MakePair(view, matches, two_view)) return Result::kWaiting;
+  if (!IsCertain(two_view, turn) || !MakePair(view, matches, two_view)) return Result::kWaiting;
   frames_ = 0;
   return Result::kInitialized;
 }
@@ -64,14 +65,24 @@ Eigen::Quaterniond MapInitializer::RotationAlone(const FrameView& view, const st
   return RefinePose(sightings, two_view.inliers, Pose(two_view.X_AB.rotation, {0, 0, 0}), kHuber).rotation;
 }
 
-bool MapInitializer::IsCertain(const TwoView& two_view) const {
+bool MapInitializer::IsCertain(const TwoView& two_view, const std::optional<KnownTurn>& turn) {
   if (two_view.rotation_only || two_view.alternative) return false;
   constexpr double kPlanarFactor = 5;  // any scene looks planar at little parallax
   const double needed_deg = options_.start_parallax_deg * (two_view.planar ? kPlanarFactor : 1);
   if (two_view.parallax < needed_deg * kRadPerDeg) return false;
   // Where all frames are blurred no direction is ever certain: the limit grows with time.
   const double patience = 1 + double(frames_) / options_.start_patience_frames;
-  return two_view.direction_sigma <= patience * options_.start_direction_deg * kRadPerDeg;
+  if (two_view.direction_sigma > patience * options_.start_direction_deg * kRadPerDeg) return false;
+  return !turn || !Contradicts(two_view.X_AB.rotation, *turn);
+}
+
+/// One image may be wrong, not several in a row: then it is the turn that is not believed.
+bool MapInitializer::Contradicts(const Eigen::Quaterniond& R_AB, const KnownTurn& turn) {
+  constexpr double kImages_rad = 0.02, kSigmas = 3;
+  constexpr int kMostInARow = 5;
+  const bool contradicts = RotationAngle(R_AB, turn.R_AB) > kImages_rad + kSigmas * turn.sigma_rad;
+  contradicted_ = contradicts ? contradicted_ + 1 : 0;
+  return contradicts && contradicted_ <= kMostInARow;
 }
 
 bool MapInitializer::MakePair(const FrameView& view, const std::vector<Match>& matches, const TwoView& two_view) {
@@ -104,7 +115,7 @@ std::optional<double> MapInitializer::Depth(const Pose& X_AB, const PointPair& p
 
 void MapInitializer::Reset() {
   reference_.reset();
-  frames_ = misses_ = 0;
+  frames_ = misses_ = contradicted_ = 0;
 }
 
 }  // namespace gaitcam

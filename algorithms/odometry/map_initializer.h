@@ -4,7 +4,8 @@
 /// The reference is matched with each new frame; five-point hypotheses are judged by a robust estimator, the best is
 /// decomposed by points in front (thesis 5.4, steps 2 to 5) and refined by least squares. Nothing is
 /// initialised by a rotation alone, nor where another motion explains the matches about as well, as of a plane. Where
-/// gravity says that the plane is the floor, its two motions can be told apart.
+/// gravity says that the plane is the floor, its two motions can be told apart. A single frame's motion that a
+/// gyroscope contradicts is not believed.
 
 #pragma once
 
@@ -72,6 +73,12 @@ struct InitialPair {
   double median_depth = 0;                    ///< Of those there are.
 };
 
+/// How a camera turned from A to B, as something else than its images says.
+struct KnownTurn {
+  Eigen::Quaterniond R_AB = Eigen::Quaterniond::Identity();
+  double sigma_rad = 0;  ///< Standard deviation about each axis.
+};
+
 class MapInitializer {
  public:
   /// What became of a frame.
@@ -86,7 +93,10 @@ class MapInitializer {
 
   /// @param up_C unit vector against gravity in the frame's camera, where it is known: the floor, which often fills the
   /// view, then leaves no doubt about the motion.
-  Result Add(const FrameView& view, const std::optional<Eigen::Vector3d>& up_C, RandomStream& random);
+  /// @param turn since the reference, where it is known: a motion that contradicts it begins no map, unless those of
+  /// five frames before did so, too.
+  Result Add(const FrameView& view, const std::optional<Eigen::Vector3d>& up_C, const std::optional<KnownTurn>& turn,
+             RandomStream& random);
 
   /// Of the last call, if that returned kInitialized.
   const InitialPair& pair() const { return pair_; }
@@ -100,7 +110,8 @@ class MapInitializer {
 
  private:
   TwoView Reconstruct(const std::vector<PointPair>& pairs, RandomStream& random) const;
-  bool IsCertain(const TwoView& two_view) const;
+  bool IsCertain(const TwoView& two_view, const std::optional<KnownTurn>& turn);
+  bool Contradicts(const Eigen::Quaterniond& R_AB, const KnownTurn& turn);
   Eigen::Quaterniond RotationAlone(const FrameView& view, const std::vector<Match>& matches,
                                    const TwoView& two_view) const;
   bool MakePair(const FrameView& view, const std::vector<Match>& matches, const TwoView& two_view);
@@ -111,8 +122,9 @@ class MapInitializer {
   MapInitializerOptions options_;
   std::optional<FrameView> reference_;
   std::optional<Eigen::Vector3d> reference_up_;
-  int frames_ = 0;  ///< Since Reset or since a map was initialised.
-  int misses_ = 0;  ///< Of these the latest that did not match the reference.
+  int frames_ = 0;        ///< Since Reset or since a map was initialised.
+  int misses_ = 0;        ///< Of these the latest that did not match the reference.
+  int contradicted_ = 0;  ///< Motions in a row that were certain but for the known turn.
   InitialPair pair_;
   std::optional<Eigen::Quaterniond> rotation_;
 };
