@@ -251,6 +251,27 @@ TEST(KeyframeVo, RotationBeforeTheMapIsAPredictionThatTheFinalEstimateReplaces) 
       << "2 % of 0.5 m, the frames before the map included";
 }
 
+/// Frames of SidewaysFilm() that wait for a map while a gyroscope reads so many rad/s; the camera does not turn.
+int WaitWhileTurnedAt(double rate) {
+  Calibration calibration = OneCamera();
+  calibration.imu.rate_hz = 200;
+  KeyframeVoOptions options = Fast();
+  options.use_imu = true;
+  KeyframeVo vo(calibration, options, 1);
+  std::vector<Observation> frames = SidewaysFilm().frames;
+  for (Observation& frame : frames) {
+    for (int i = -6; i <= 0; ++i)
+      frame.imu.push_back({frame.stamp_ns + 5'000'000 * i, {0, rate, 0}, Eigen::Vector3d::Zero()});
+  }
+  return Count(TrackAll(vo, frames), TrackingStatus::kInitializing);
+}
+
+TEST(KeyframeVo, AMapThatTheGyroscopeContradictsBeginsFiveFramesLater) {
+  const int waited = WaitWhileTurnedAt(0);
+  ASSERT_GT(waited, 2);
+  EXPECT_EQ(WaitWhileTurnedAt(0.5), waited + 5) << "0.2 rad in all where 0.04 are within three standard deviations";
+}
+
 TEST(KeyframeVo, RotationBeforeTheMapFollowsATurnOnTheSpot) {
   const auto turn = [](double t) { return LookingForward({-0.5, 0, 0.4}, 0.3 * t, -0.2, 0.05 * std::sin(5 * t)); };
   const Film film = FilmPath(Room(), kCamera, 25, turn, 10, 2);
