@@ -67,6 +67,8 @@ struct KeyframeVoOptions {
   bool blur_by_imu = false;
   /// Correct a rolling shutter by the gyroscope (ShutterTurn), where the shutter rolls and there is one. Frames that it
   /// did not measure stay as they are.
+  /// Where this, use_imu or blur_by_imu reads a gyroscope, no map begins with a single frame's motion that contradicts
+  /// it (MapInitializer).
   bool shutter_by_imu = true;
   bool metric = true;  ///< MetricScale, where the calibration says how high the camera stands.
   /// Frames before a map get predictions as if the camera only turned.
