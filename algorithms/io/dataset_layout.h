@@ -5,22 +5,23 @@
 ///
 /// Each layout is read unchanged by tools made for it. Files of ours beside the layout's own:
 ///
-///   calibration.yaml     cameras, extrinsics, IMU noise, as the system was told them (calibration_file.h); in
-///   VSLAM-LAB's
-///                        layout, which has a calibration.yaml of its own, calibration_gaitcam.yaml
+///   calibration.yaml     cameras, extrinsics, IMU noise, as the system was told them (calibration_file.h); where
+///                        the layout has a calibration.yaml of its own (vslamlab), calibration_gaitcam.yaml
 ///   settings/            the same calibration as other programs read it (program_settings.h)
 ///   exposure.csv         stamp_ns, exposure_ms, and how many samples of imu.csv, joints.csv and, if it is
 ///                        there, odometry.csv belong to the frame
 ///   joints.csv           stamp_ns and readings; numbers as short as they come back exactly
 ///   odometry.csv         stamp_ns and where the body has come to as it reckons, if it does: x m, y m, heading rad
-///   about.txt            what the folder holds, which frames and instants its numbers mean, how the recording ended,
-///   and
-///                        the command line of each program that there are settings for
+///   about.txt            what the folder holds, which frames and instants its numbers mean, how the recording
+///                        ended, and the command line of each program that there are settings for
 ///
-///   tum        rgb/ rgb.txt [depth/ depth.txt associations.txt] [rgb_right/ rgb_right.txt] [imu.csv accelerometer.txt]
-///              times.txt
-///   euroc      mav0/{cam0,cam1,depth0}/{data/,data.csv,sensor.yaml} mav0/imu0/{data.csv,sensor.yaml}
-///   mav0/cam0/times.txt vslamlab   rgb_0/ [rgb_1/] [depth_0/] rgb.csv [imu_0.csv] calibration.yaml times.txt
+/// The layouts:
+///
+///   tum                  rgb/ rgb.txt [depth/ depth.txt associations.txt] [rgb_right/ rgb_right.txt]
+///                        [imu.csv accelerometer.txt] times.txt
+///   euroc                mav0/{cam0,cam1,depth0}/{data/,data.csv,sensor.yaml} mav0/imu0/{data.csv,sensor.yaml}
+///                        mav0/cam0/times.txt
+///   vslamlab             rgb_0/ [rgb_1/] [depth_0/] rgb.csv [imu_0.csv] calibration.yaml times.txt
 ///
 /// times.txt is "id t_s exposure_ms" per frame; it lies beside the folder of images, where direct odometry looks for
 /// it. TUM's tables of images and poses begin with three lines of comment, which its readers skip; associations.txt and
@@ -35,10 +36,12 @@
 ///   groundtruth.txt      TUM format, X_WC of the left camera at mid-exposure
 ///   frames.csv           poses at shutter open and close, blur of the image, gait phase, foot contacts, root pose
 ///   subposes.csv         every sub-frame: its frame's stamp, its own, weight, X_WC
-///   sharp/ sharp.txt, depth/ depth.txt, blur/ blur.txt   sharp twin; depth; blur vectors as 16-bit PNG in the way that
-///                        KITTI stores optical flow: red and green hold 64 x + 2^15, blue 1 where the vector is known
-///   calibration.yaml     the right one, where the sensors' folder has a wrong one on purpose, and
-///   calibration_error.yaml what is wrong with calibration and readings there
+///   sharp/ sharp.txt     sharp twin
+///   depth/ depth.txt     depth
+///   blur/ blur.txt       blur vectors as 16-bit PNG in the way that KITTI stores optical flow: red and green hold
+///                        64 x + 2^15, blue 1 where the vector is known
+///   calibration.yaml     the right one, where the sensors' folder has a wrong one on purpose
+///   calibration_error.yaml   what is wrong with calibration and readings there
 ///   mav0/state_groundtruth_estimate0/{data.csv,sensor.yaml}   (euroc) pose of the body, which is the IMU
 ///   groundtruth.csv      (vslamlab) the poses of groundtruth.txt
 ///

@@ -2,189 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <fstream>
-#include <limits>
 #include <opencv2/core.hpp>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/io/calibration_file.h"
-#include "algorithms/io/image_file.h"
+#include "algorithms/io/dataset_files.h"
 #include "algorithms/io/program_settings.h"
 #include "algorithms/io/text_table.h"
-#include "algorithms/io/trajectory_file.h"
-#include "algorithms/io/whole_file.h"
-#include "algorithms/io/writer_pool.h"
+#include "algorithms/io/truth_files.h"
 
 namespace gaitcam {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string Csv(const Pose& X) {
-  const Eigen::Vector3d& t = X.translation;
-  const Eigen::Quaterniond& q = X.rotation;
-  std::string text;
-  for (const double number : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) text += ',' + ExactText(number);
-  return text;
-}
-
-std::string CsvOrEmpty(const std::optional<Pose>& X) { return X ? Csv(*X) : std::string(7, ','); }
-
-std::string PoseColumns(const std::string& of) {
-  std::string text;
-  for (const char* name : {"x", "y", "z", "qx", "qy", "qz", "qw"}) text += "," + of + "_" + name;
-  return text;
-}
-
-void MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw MissingResource(folder.string() + ": cannot make this folder: " + error.message());
-}
-
-void WriteText(const fs::path& file, const std::string& text) {
-  MakeFolder(file.parent_path());
-  WriteWholeFile(file, text);
-}
-
-/// A folder that gets its name when it is whole; until then it has one of this process's own, and is removed if
-/// abandoned.
-class PendingFolder {
- public:
-  explicit PendingFolder(fs::path wanted) : wanted_(std::move(wanted)), path_(UnfinishedNameFor(wanted_)) {
-    if (fs::exists(wanted_)) throw BadInput(wanted_.string() + ": exists already; remove it or choose another name");
-    RemoveAbandoned(wanted_);
-    MakeFolder(path_);
-  }
-  ~PendingFolder() {
-    std::error_code ignored;
-    if (!kept_) fs::remove_all(named_ ? wanted_ : path_, ignored);
-  }
-  PendingFolder(const PendingFolder&) = delete;
-  PendingFolder& operator=(const PendingFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-  const fs::path& wanted() const { return wanted_; }
-  void Name() {
-    std::error_code error;
-    fs::rename(path_, wanted_, error);
-    if (error == std::errc::directory_not_empty || error == std::errc::file_exists) {
-      throw BadInput(wanted_.string() + ": another process has made it meanwhile; remove it or choose another name");
-    }
-    if (error) throw MissingResource(wanted_.string() + ": cannot name this folder: " + error.message());
-    named_ = true;
-  }
-  /// Until then it is removed again: a folder that belongs to it may not get its own name.
-  void Keep() { kept_ = true; }
-
- private:
-  fs::path wanted_, path_;
-  bool named_ = false, kept_ = false;
-};
-
-/// A table that grows by rows.
-class RowFile {
- public:
-  /// @param header without its last line end; nothing: the table begins with its first row.
-  explicit RowFile(fs::path file, const std::optional<std::string>& header = {}) : file_(std::move(file)) {
-    MakeFolder(file_.parent_path());
-    stream_.open(file_, std::ios::binary);
-    if (!stream_) throw MissingResource(file_.string() + ": cannot write this file");
-    if (header) Row(*header);
-  }
-  void Row(const std::string& row) {
-    stream_ << row << '\n';
-    if (!stream_) throw MissingResource(file_.string() + ": cannot write this file");
-  }
-  void Close() {
-    stream_.close();
-    if (!stream_) throw MissingResource(file_.string() + ": cannot write this file");
-  }
-
- private:
-  fs::path file_;
-  std::ofstream stream_;
-};
-
-/// The three lines of comment that begin TUM's tables; its readers skip so many.
-std::string TumHeader(const std::string& what, const std::string& columns) {
-  return "# " + what + "\n# times in s, by the clock of all sensors; an image's is the middle of its exposure\n# " +
-         columns;
-}
-
-const char* const kPoseColumns = "timestamp tx ty tz qx qy qz qw";
-const char* const kPoseNote = "poses X_WC of the left camera";
-const char* const kVslamlabPoseHeader = "ts (ns),tx (m),ty (m),tz (m),qx,qy,qz,qw";
-
-/// A folder of images and, unless the layout lists all streams in one, the table of them.
-class ImageFiles {
- public:
-  ImageFiles(const ImageListing& listing, const std::string& what) : listing_(listing) {
-    MakeFolder(listing.folder);
-    if (listing.names_columns()) return;
-    table_.emplace(listing.table, listing.in_seconds ? TumHeader(what, "timestamp filename")
-                                                     : std::string("#timestamp [ns],filename"));
-  }
-
-  /// Lists an image and @returns where to write it.
-  fs::path Add(int64_t stamp_ns) {
-    if (table_) table_->Row(Entry(stamp_ns));
-    return listing_.folder / listing_.FileName(stamp_ns);
-  }
-  /// Its stamp and file, as tables say them.
-  std::string Entry(int64_t stamp_ns) const {
-    const std::string stamp = listing_.in_seconds ? SecondsText(stamp_ns) : std::to_string(stamp_ns);
-    const fs::path file = (listing_.folder / listing_.FileName(stamp_ns)).lexically_relative(listing_.base);
-    return stamp + listing_.separator + file.string();
-  }
-  /// The names of the two columns, where all streams are in one table.
-  std::string Columns() const { return listing_.stamp_column + listing_.separator + listing_.file_column; }
-  void Close() {
-    if (table_) table_->Close();
-  }
-
- private:
-  ImageListing listing_;
-  std::optional<RowFile> table_;
-};
-
-bool TooFarForPng(const cv::Mat& depth) {
-  double farthest = 0;
-  cv::minMaxLoc(depth, nullptr, &farthest);
-  return farthest > std::numeric_limits<uint16_t>::max() / kDepthUnitsPerMetre;
-}
-
-/// The images of one recording on their way to the disk.
-class ImageJobs {
- public:
-  explicit ImageJobs(const DatasetWriterOptions& options)
-      : level_(options.png_compression), pool_(std::clamp(options.threads, 0, 64)) {}
-
-  void Png(const fs::path& file, const cv::Mat& image) {
-    pool_.Do([=, level = level_] { WritePng(file, image, level); });
-  }
-  void Vectors(const fs::path& file, const cv::Mat& vectors) {
-    pool_.Do([=, level = level_] { WriteVectorsPng(file, vectors, level); });
-  }
-  /// Without a lossless twin.
-  void PlainDepth(const fs::path& file, const cv::Mat& depth) {
-    pool_.Do([=, level = level_] { WriteDepthPng(file, depth, level); });
-  }
-  void Depth(const fs::path& root, const fs::path& file, int64_t stamp_ns, const cv::Mat& depth, bool measured) {
-    pool_.Do([=, level = level_] {
-      const bool exact = WriteDepthPng(file, depth, level);
-      if (measured ? exact : !TooFarForPng(depth)) return;
-      MakeFolder(root / "depth_exact");
-      WriteDepthTiff(root / "depth_exact" / (std::to_string(stamp_ns) + ".tiff"), depth);
-    });
-  }
-  void Finish() { pool_.Finish(); }
-
- private:
-  int level_;
-  WriterPool pool_;
-};
 
 const char* const kSensorsText =
     "What a walking robot's sensors recorded ({}). The truth lies beside this folder{}.\n"
@@ -193,130 +23,6 @@ const char* const kSensorsText =
     "centre of the first pixel, row 0 the top. {} holds intrinsics, extrinsics and IMU noise. IMU readings\n"
     "are in the IMU's own frame. Depth PNGs: metres times 5000, 0 where nothing was measured.\n"
     "Frames: {}. Recording: {}.\n\n";
-
-const char* const kTruthText =
-    "What is true of the recording beside this folder; keep it from what is being evaluated.\n"
-    "X_AB maps points of B into A. World W: x forward, y left, z up. C: left camera (x right, y down, z forward).\n"
-    "groundtruth.txt: X_WC at mid-exposure. frames.csv: X_WC at shutter open and close, blur over the image (path\n"
-    "lengths, px), gait phase, foot contacts, X_WB of the robot's root. subposes.csv: the instants that were "
-    "averaged.\n"
-    "sharp/: one instant at mid-exposure without noise. depth/: metres times 5000. blur/: how far the point seen at a\n"
-    "pixel moved while the shutter was open: (red - 32768) / 64 px to the right, (green - 32768) / 64 px down, known "
-    "where\n"
-    "blue is 1. mav0/ (if there): pose of the body, which is the IMU, or the left camera if there is no IMU.\n"
-    "groundtruth.csv (if there): the poses of groundtruth.txt as VSLAM-LAB has them.\n"
-    "Frames: {}. Recording: {}.\n";
-
-/// In the truth's folder, with the name of the process behind it, until the sensors' folder has its name.
-const std::string kHalfNamed = ".half-named-";
-
-/// What a process left that was killed between the two names.
-const DatasetFolders& WithoutHalfNamed(const DatasetFolders& folders) {
-  if (!HoldsAbandoned(folders.truth, kHalfNamed)) return folders;
-  std::error_code ignored;
-  fs::remove_all(folders.sensors, ignored);
-  fs::remove_all(folders.truth, ignored);
-  return folders;
-}
-
-/// The part that no SLAM system is given.
-class TruthFiles {
- public:
-  TruthFiles(const fs::path& folder, const fs::path& sensors, const Calibration& calibration,
-             const DatasetWriterOptions& options)
-      : calibration_(calibration),
-        options_(options),
-        folder_(folder),
-        frames_(folder_.path() / "frames.csv",
-                "#stamp_ns" + PoseColumns("X_WC_open") + PoseColumns("X_WC_close") +
-                    ",blur_median_px,blur_p90_px,blur_max_px,step,step_phase,left_contact,right_contact" +
-                    PoseColumns("X_WB")),
-        subposes_(folder_.path() / "subposes.csv", "#frame_stamp_ns,stamp_ns,weight" + PoseColumns("X_WC")) {
-    AddPoses(folder_.path());
-    if (options.format != DatasetFormat::kTum) AddLayoutsOwn(folder_.path());
-    if (options.truth_inside) AddLayoutsOwn(sensors);
-  }
-
-  void Add(int64_t stamp_ns, const FilmedTruth& truth, ImageJobs& jobs) {
-    for (RowFile& file : poses_) file.Row(TrajectoryRow({stamp_ns, truth.X_WC}, TrajectoryFormat::kTum));
-    const Pose X_WI = truth.X_WI ? *truth.X_WI : truth.X_WC * calibration_.imu.X_CI;
-    const Pose body = calibration_.imu.rate_hz > 0 ? X_WI : truth.X_WC;
-    for (RowFile& file : states_) file.Row(TrajectoryRow({stamp_ns, body}, TrajectoryFormat::kEuroc));
-    for (RowFile& file : rows_) file.Row(std::to_string(stamp_ns) + Csv(truth.X_WC));
-    const GaitState gait = truth.gait.value_or(GaitState());
-    frames_.Row(std::to_string(stamp_ns) + Csv(truth.X_WC_open) + Csv(truth.X_WC_close) +
-                fmt::format(",{},{},{},{},{},{},{}", truth.blur_median_px, truth.blur_p90_px, truth.blur_max_px,
-                            gait.step, gait.phase, int(truth.left_contact), int(truth.right_contact)) +
-                CsvOrEmpty(truth.X_WB));
-    for (const auto& sub : truth.subframes) {
-      subposes_.Row(fmt::format("{},{},{}", stamp_ns, sub.stamp_ns, sub.weight) + Csv(sub.X_WC));
-    }
-    AddImages(stamp_ns, truth, jobs);
-  }
-
-  void Finish(int64_t frames, const std::string& ending) {
-    for (auto* files : {&poses_, &states_, &rows_}) {
-      for (RowFile& file : *files) file.Close();
-    }
-    frames_.Close();
-    subposes_.Close();
-    for (auto* files : {&sharp_, &depth_, &blur_}) {
-      if (*files) (*files)->Close();
-    }
-    WriteText(folder_.path() / "about.txt", fmt::format(fmt::runtime(kTruthText), frames, ending));
-    WriteText(folder_.path() / (kHalfNamed + NameOfProcess()), "");
-    folder_.Name();
-  }
-  void AddText(const std::string& name, const std::string& text) const { WriteText(folder_.path() / name, text); }
-  /// The sensors' folder has its name, too.
-  void Keep() {
-    std::error_code ignored;
-    fs::remove(folder_.wanted() / (kHalfNamed + NameOfProcess()), ignored);
-    folder_.Keep();
-  }
-
- private:
-  /// The table in which the layout keeps its truth.
-  void AddLayoutsOwn(const fs::path& root) {
-    switch (options_.format) {
-      case DatasetFormat::kTum: return AddPoses(root);
-      case DatasetFormat::kEuroc: return AddStates(root);
-      case DatasetFormat::kVslamlab: rows_.emplace_back(root / "groundtruth.csv", kVslamlabPoseHeader);
-    }
-  }
-
-  void AddPoses(const fs::path& root) {
-    poses_.emplace_back(root / "groundtruth.txt", TumHeader(kPoseNote, kPoseColumns));
-  }
-
-  void AddStates(const fs::path& root) {
-    const fs::path folder = root / "mav0" / "state_groundtruth_estimate0";
-    states_.emplace_back(
-        folder / "data.csv",
-        "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []");
-    WriteText(folder / "sensor.yaml", EurocTruthText());
-  }
-
-  void AddImages(int64_t stamp_ns, const FilmedTruth& truth, ImageJobs& jobs) {
-    const auto files = [&](std::optional<ImageFiles>& of, const char* name, const char* what) -> ImageFiles& {
-      if (!of) of.emplace(TumListing(folder_.path(), name), what);
-      return *of;
-    };
-    if (!truth.sharp.empty()) jobs.Png(files(sharp_, "sharp", "sharp twins").Add(stamp_ns), truth.sharp);
-    if (!truth.blur.empty()) jobs.Vectors(files(blur_, "blur", "blur vectors").Add(stamp_ns), truth.blur);
-    if (!truth.depth.empty()) {
-      const fs::path file = files(depth_, "depth", "true depth images").Add(stamp_ns);
-      jobs.Depth(folder_.path(), file, stamp_ns, truth.depth, false);
-    }
-  }
-
-  Calibration calibration_;
-  DatasetWriterOptions options_;
-  PendingFolder folder_;
-  std::vector<RowFile> poses_, states_, rows_;  ///< TUM's, EuRoC's, VSLAM-LAB's.
-  RowFile frames_, subposes_;
-  std::optional<ImageFiles> sharp_, depth_, blur_;
-};
 
 }  // namespace
 
@@ -369,7 +75,7 @@ DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& ca
       times_(TimesFileOf(folder_.path(), options.format)),
       exposures_(folder_.path() / "exposure.csv", std::string("#stamp_ns,exposure_ms,imu_samples,joint_samples") +
                                                       (calibration.odometry.rate_hz > 0 ? ",odometry_samples" : "")),
-      jobs_(options) {
+      jobs_(options.png_compression, options.threads) {
   CheckOptions();
   WriteCalibrations();
   if (calibration.right) right_.emplace(Listing(ImageStream::kRight), "images of the right camera");
@@ -391,7 +97,11 @@ DatasetWriter::Files::Files(const DatasetFolders& folders, const Calibration& ca
 }
 
 TruthFiles& DatasetWriter::Files::Truth() {
-  if (!truth_) truth_.emplace(folders_.truth, folder_.path(), calibration_, options_);
+  if (!truth_) {
+    std::optional<fs::path> inside;
+    if (options_.truth_inside) inside = folder_.path();
+    truth_.emplace(folders_.truth, options_.format, calibration_, inside);
+  }
   return *truth_;
 }
 
