@@ -104,10 +104,16 @@ struct MotionCell {
   int chapter_holds = 0, likely_holds = 0, trials = 0;
 };
 
+MotionCell CellOf(int points) {
+  MotionCell cell;
+  cell.points = points;
+  return cell;
+}
+
 struct MapRow {
   double baseline_m = 0, depth_m = 0, sigma_px = 0;
   PointCell point;
-  std::array<MotionCell, 3> motions{MotionCell{6}, MotionCell{25}, MotionCell{100}};
+  std::array<MotionCell, 3> motions{CellOf(6), CellOf(25), CellOf(100)};
 };
 
 constexpr ReconstructionOptions kChapter{StereoCost::kAlgebraic, 0}, kLikely{StereoCost::kMaximumLikelihood, 3};

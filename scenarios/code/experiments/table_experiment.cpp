@@ -84,9 +84,6 @@ const std::vector<ExperimentEntry>& ListExperiments() {
        "gaitcam experiment nees --out results/nees.md\n"
        "gaitcam experiment nees --repeats 100 --trials 50",
        MakeStereoConsistency},
-      {"odometry", "systems on the recorded walks of studies, with a picture of the paths",
-       "gaitcam experiment odometry scenarios/studies/odometry_lab_loop.yaml --seeds 2 --out results/odometry.md",
-       MakeRecordedOdometry},
       {"peers", "any systems, yours and ours, on the same recordings: coverage, errors, jumps and time in one table",
        "gaitcam record scenarios/lab_loop.yaml --out walks/lab\n"
        "gaitcam experiment peers walks/lab --system mobif_vo_plus --system \"{process: [python3, my_slam.py]}\"\n"

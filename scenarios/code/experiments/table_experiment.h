@@ -121,7 +121,6 @@ std::unique_ptr<TableExperiment> MakeLocalisationTable();
 std::unique_ptr<TableExperiment> MakeLoopTable();
 std::unique_ptr<TableExperiment> MakePeers();
 std::unique_ptr<TableExperiment> MakePlaceDistance();
-std::unique_ptr<TableExperiment> MakeRecordedOdometry();
 std::unique_ptr<TableExperiment> MakeSpeed();
 std::unique_ptr<TableExperiment> MakeStereoConsistency();
 std::unique_ptr<TableExperiment> MakeStress();

@@ -68,13 +68,12 @@ TEST_F(ExperimentProgramTest, TheProgramHandsItsWordsOnAndRefusesTheOldVerb) {
 
 TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
   for (const auto& [words, fragment] : {std::pair{"", "gaitcam experiment --list"},
-                                        {"odometri", "odometri"},
+                                        {"featurs", "featurs"},
                                         {"planes --pairs 0", "--pairs: 0 is not permitted"},
                                         {"planes --pairs many", "many"},
                                         {"crowds --pairs 0", "--pairs: 0 is not permitted"},
                                         {"crowds --scene labb", "labb"},
                                         {"crowds --detector syft", "syft"},
-                                        {"odometry", "study file"},
                                         {"loops", "at least one folder of a recorded walk"},
                                         {"loops nowhere", "nowhere"},
                                         {"loops nowhere --words 1", "--words: 1 is not permitted"},
@@ -277,8 +276,7 @@ TEST(ExperimentCommand, NamesWhatDiffersFromTheDefaultsAndNoUsersFolder) {
     }
     const std::string command = ExperimentCommand(entry, *experiment);
     EXPECT_THAT(command, testing::Not(HasSubstr("/home"))) << entry.name;
-    const bool is_odometry = entry.name == "odometry";
-    EXPECT_EQ(command == "gaitcam experiment odometry data b --finished", is_odometry) << command;
+    EXPECT_EQ(command == "gaitcam experiment features data b --kernels", entry.name == "features") << command;
   }
 }
 
