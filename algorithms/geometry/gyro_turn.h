@@ -10,8 +10,15 @@
 
 #include "algorithms/core/camera.h"
 #include "algorithms/core/observation.h"
+#include "algorithms/core/units.h"
 
 namespace gaitcam {
+
+/// How wrong a bench leaves a gyroscope, one standard deviation: about its camera's axes, against its clock, in its
+/// rate at rest.
+struct BenchGyro {
+  static constexpr double kMisaligned_rad = 0.5 * kRadPerDeg, kOffset_s = 2e-3, kBias_rad_s = 0.01;
+};
 
 class GyroTurn {
  public:

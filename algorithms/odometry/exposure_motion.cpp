@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "algorithms/core/units.h"
+#include "algorithms/geometry/gyro_turn.h"
 
 namespace gaitcam {
 namespace {
@@ -11,8 +12,6 @@ namespace {
 constexpr int kSteps = 17;                // of an exposure
 constexpr double kExtent2PerSpread = 12;  // of a uniform turn
 constexpr double kLongAgo_s = 0.3;        // for a velocity
-// A gyroscope's errors as a bench leaves them.
-constexpr double kMisaligned_rad = 0.5 * kRadPerDeg, kOffset_s = 2e-3, kBias_rad_s = 0.01;
 
 /// Its square times an acceleration over 24 is the distance of the mean of a motion from its middle.
 double MeanOffset(double seconds) { return seconds * seconds / 24; }
@@ -192,18 +191,20 @@ double ExposureMotion::TurnSigma() const {
   if (!HasGyro() || !(seconds > 0)) return kHead_rad_s * std::max(0.0, seconds);
   const double turn = RotationAngle(Eigen::Quaterniond::Identity(), TurnSinceLastPose());
   const double change = (ReadingAt(stamp_ns_).angular_rate - ReadingAt(poses_.back().stamp_ns).angular_rate).norm();
-  return Eigen::Vector3d(kMisaligned_rad * turn, kOffset_s * change, kBias_rad_s * seconds).norm();
+  return Eigen::Vector3d(BenchGyro::kMisaligned_rad * turn, BenchGyro::kOffset_s * change,
+                         BenchGyro::kBias_rad_s * seconds)
+      .norm();
 }
 
 Eigen::Matrix3d ExposureMotion::RateCovariance(double readout_ms) const {
   const int64_t half_ns = std::llround(0.5 * readout_ms * kNsPerMs);
   if (half_ns <= 0 || !HasGyro()) return Eigen::Matrix3d::Zero();
   const Eigen::Vector3d middle = ReadingAt(stamp_ns_).angular_rate;
-  Eigen::Matrix3d covariance =
-      std::pow(kMisaligned_rad, 2) * (middle.squaredNorm() * Eigen::Matrix3d::Identity() - middle * middle.transpose());
+  Eigen::Matrix3d covariance = std::pow(BenchGyro::kMisaligned_rad, 2) *
+                               (middle.squaredNorm() * Eigen::Matrix3d::Identity() - middle * middle.transpose());
   for (const int64_t end_ns : {-half_ns, half_ns}) {
     const Eigen::Vector3d late =
-        kOffset_s / (1e-9 * double(half_ns)) * (ReadingAt(stamp_ns_ + end_ns).angular_rate - middle);
+        BenchGyro::kOffset_s / (1e-9 * double(half_ns)) * (ReadingAt(stamp_ns_ + end_ns).angular_rate - middle);
     covariance += 0.5 * late * late.transpose();
   }
   const Eigen::Matrix3d R_CI = imu_.X_CI.R();

@@ -17,6 +17,7 @@
 #include "algorithms/geometry/up_direction.h"
 #include "algorithms/odometry/floor_prior.h"
 #include "algorithms/odometry/frame_records.h"
+#include "algorithms/odometry/fused_rotations.h"
 #include "algorithms/odometry/keyframe_map.h"
 #include "algorithms/odometry/mean_velocity.h"
 #include "algorithms/odometry/metric_scale.h"
@@ -72,6 +73,7 @@ class KeyframeVo::Tracker {
     const bool unrolls = options.shutter_by_imu && calibration.readout_ms > 0;
     if ((options.use_imu || options.blur_by_imu || unrolls) && calibration.imu.rate_hz > 0)
       gyro_.emplace(calibration.imu);
+    if (options.use_imu && gyro_) fused_.emplace(calibration.imu);
     if (options.min_blur_px > 0) BlurAware("min_blur_px").SetMinBlur(options.min_blur_px);
     if (options.blur_by_imu) blur_aware_ = &ToldBlurBy(calibration);
   }
@@ -79,16 +81,21 @@ class KeyframeVo::Tracker {
   FrameEstimate Track(const Observation& observation) {
     if (metric_) metric_->up_C.Add(observation.imu);
     if (gyro_) gyro_->Add(observation.imu);
-    const FrameEstimate answer = Answer(observation);
-    if (gyro_) gyro_->DropBefore((last_ ? last_->stamp_ns : observation.stamp_ns) - kKeepImu_ns);
+    if (fused_) fused_->Begin(observation);
+    FrameEstimate answer = Answer(observation);
     records_.Add(answer, map_);
+    if (fused_) fused_->Fuse(answer);
+    if (gyro_) gyro_->DropBefore((last_ ? last_->stamp_ns : observation.stamp_ns) - kKeepImu_ns);
     if (HasMap() && !waiting_.empty()) BeginBacklog(observation.stamp_ns);
     LocalizeOneOfBacklog();
     return metric_ ? InMetres(answer) : answer;
   }
   std::vector<FrameEstimate> Finish() {
     LocalizeBacklog();
-    return records_.Finish(map_, metric_ ? metric_->scale.Smoothed() : std::vector<double>());
+    std::vector<FrameEstimate> frames =
+        records_.Finish(map_, metric_ ? metric_->scale.Smoothed() : std::vector<double>());
+    if (fused_) fused_->Smooth(frames);
+    return frames;
   }
 
  private:
@@ -186,8 +193,9 @@ class KeyframeVo::Tracker {
   FloorPrior floor_;
   FrameRecords records_;
   std::optional<Metric> metric_;
-  std::optional<GyroTurn> gyro_;  ///< Where it is asked for and there is one.
-  std::optional<Turned> turned_;  ///< Since the initialiser's reference, as far as it was measured.
+  std::optional<GyroTurn> gyro_;         ///< Where it is asked for and there is one.
+  std::optional<Turned> turned_;         ///< Since the initialiser's reference, as far as it was measured.
+  std::optional<FusedRotations> fused_;  ///< With use_imu.
 
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int matches_ = 0;                     ///< Likewise; 0 where there was no map yet.
@@ -283,18 +291,20 @@ std::optional<KnownTurn> KeyframeVo::Tracker::TurnSinceReference(int64_t stamp_n
   }
   turned_->until_ns = stamp_ns;
   turned_->rotation = (turned_->rotation * ExpSo3(*turn)).normalized();
-  constexpr double kMisaligned_rad = 0.5 * kRadPerDeg;
   const double seconds = 1e-9 * double(stamp_ns - turned_->since_ns);
   const double angle = RotationAngle(Eigen::Quaterniond::Identity(), turned_->rotation);
-  return KnownTurn{turned_->rotation, std::hypot(gyro_->bias_sigma() * seconds, kMisaligned_rad * angle)};
+  return KnownTurn{turned_->rotation, std::hypot(gyro_->bias_sigma() * seconds, BenchGyro::kMisaligned_rad * angle)};
 }
 
 /// The last pose, turned since as the gyroscope says.
 Pose KeyframeVo::Tracker::PredictPose(int64_t stamp_ns) const {
   Pose prediction = last_->pose;
-  if (!options_.use_imu || !gyro_) return prediction;
-  if (const auto turn = gyro_->Between(last_->stamp_ns, stamp_ns))
+  if (!fused_) return prediction;
+  if (const auto rotation = fused_->Predicted()) {
+    prediction.rotation = *rotation;
+  } else if (const auto turn = gyro_->Between(last_->stamp_ns, stamp_ns)) {
     prediction.rotation = prediction.rotation * ExpSo3(*turn);
+  }
   return prediction;
 }
 

@@ -10,7 +10,8 @@
 /// - KeyframeMap: landmarks, keyframes, windowed bundle adjustment;
 /// - FloorPrior: depths of what lies on the floor, which keeps the scale;
 /// - MetricScale: the map's unit in metres, by the camera's height over the floor;
-/// - FrameRecords: the final estimate, in which frames move along with their keyframes.
+/// - FrameRecords: the final estimate, in which frames move along with their keyframes;
+/// - FusedRotations: rotations by image and gyroscope together, where that is asked for.
 ///
 /// What it adds to the thesis's odometry (two_view_vo.h): a walking camera at 30 Hz moves by millimetres between
 /// frames, which leaves the direction of motion to noise; landmarks that live over many keyframes have a baseline.
@@ -57,7 +58,9 @@ struct KeyframeVoOptions {
   int adjust_iterations = 10;  ///< Largest number of iterations of one bundle adjustment.
   int memory = 20;             ///< Keyframes after which a landmark that was not seen again is removed.
   bool use_floor = true;       ///< FloorPrior.
-  bool use_imu = false;        ///< Predict each frame's rotation by the gyroscope, whose bias is learned.
+  /// Each frame's rotation by its image and the gyroscope together (FusedRotations), whose bias is learned; it also
+  /// predicts where landmarks are searched for. Positions are the images' alone. Without a gyroscope nothing changes.
+  bool use_imu = false;
   /// A detector that accounts for blur takes images with less as they are; 0: its own limit. BadOption where it has
   /// none.
   double min_blur_px = 0;
@@ -93,7 +96,7 @@ void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
   visit("adjust_iterations", o.adjust_iterations, Between(1, 1000), "largest number of iterations of an adjustment");
   visit("memory", o.memory, Between(1, 100000), "keyframes until an unseen landmark is removed");
   visit("use_floor", o.use_floor, Nested(), "depths and scale by the camera's height over the floor");
-  visit("use_imu", o.use_imu, Nested(), "predict each frame's rotation by the gyroscope");
+  visit("use_imu", o.use_imu, Nested(), "rotations by image and gyroscope together");
   visit("min_blur_px", o.min_blur_px, AtLeast(0),
         "a detector that accounts for blur takes images with less as they are; 0: its own limit");
   visit("blur_by_imu", o.blur_by_imu, Nested(),

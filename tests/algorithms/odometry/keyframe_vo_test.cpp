@@ -452,6 +452,38 @@ TEST(KeyframeVo, AGyroscopeSaysHowTheLightMoved) {
   EXPECT_LT(inliers(true, -1), 0.8 * blind);
 }
 
+/// Of turns over five frames in the second half, against the truth, root mean square, rad.
+double TurnError(const std::vector<FrameEstimate>& frames, const Trajectory& truth) {
+  double sum = 0;
+  int count = 0;
+  for (size_t i = frames.size() / 2; i < frames.size(); ++i) {
+    if (!frames[i - 5].pose || !frames[i].pose) continue;
+    const Eigen::Quaterniond turn = frames[i - 5].pose->rotation.conjugate() * frames[i].pose->rotation;
+    const Pose before = *PoseAt(truth, frames[i - 5].stamp_ns), now = *PoseAt(truth, frames[i].stamp_ns);
+    sum += LogSo3(turn.conjugate() * (before.rotation.conjugate() * now.rotation)).squaredNorm();
+    ++count;
+  }
+  return count > 10 ? std::sqrt(sum / count) : 0;
+}
+
+// Measured: live 0.62 mrad by images alone and 0.51 together, in the end 0.47 and 0.05. A second tells little of a bias
+// of 0.037 rad/s, which is expected to be half as large.
+TEST(KeyframeVo, ImageAndGyroscopeTogetherKnowHowABlurredCameraTurned) {
+  const Film film = WithGyro(FilmPath(Room(), kCamera, 60, SwingingPose, 25, 8), SwingingPose);
+  const auto errors = [&](bool use_imu) {
+    KeyframeVoOptions options = Fast();
+    options.use_imu = use_imu;
+    KeyframeVo vo(CameraAndGyro(), options, 1);
+    const double live = TurnError(TrackAll(vo, film.frames).frames, film.truth);
+    return std::pair(live, TurnError(vo.Finish(), film.truth));
+  };
+  const auto [live, final] = errors(false);
+  const auto [live_with, final_with] = errors(true);
+  ASSERT_GT(live_with, 0);
+  EXPECT_LT(live_with, live);
+  EXPECT_LT(final_with, 0.3 * final);
+}
+
 TEST(KeyframeVo, LargerImagesKeepMoreFeaturesUnlessTheirNumberIsGiven) {
   const auto features = [](int factor, int max_features) {
     Calibration calibration = OneCamera();
