@@ -128,8 +128,12 @@ double Mahalanobis2(const InverseDepthSighting& sighting, const Pose& X_WC) {
   return Mahalanobis2(sighting, InverseDepthCamera(X_WC));
 }
 
-Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
-                double huber, const std::optional<PositionPrior>& prior) {
+namespace {
+
+/// @param solve the change of the pose by the normal equations of all six freedoms
+template <class Solve>
+Pose Refine(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
+            double huber, const std::optional<PositionPrior>& prior, Solve solve) {
   Pose pose = X_WC;
   const auto guesses =
       std::count_if(use.begin(), use.end(), [&](int i) { return sightings[size_t(i)].point.is_guess; });
@@ -162,12 +166,29 @@ Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::v
     }
     // Where all points are at infinity the translation is not observed: damping keeps it where it is.
     H.topLeftCorner<3, 3>() += 1e-9 * (1 + H.bottomRightCorner<3, 3>().trace()) * Eigen::Matrix3d::Identity();
-    const Vector6d change = -SolveSymmetric<6>(H, g);
+    const Vector6d change = -solve(H, g);
     if (!change.allFinite() || change.tail<3>().norm() > kMaxTurn) return step == 0 ? X_WC : pose;
     pose = Plus(pose, change);
     if (change.norm() < kConverged) break;
   }
   return pose;
+}
+
+}  // namespace
+
+Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
+                double huber, const std::optional<PositionPrior>& prior) {
+  return Refine(sightings, use, X_WC, huber, prior,
+                [](const Matrix6d& H, const Vector6d& g) { return SolveSymmetric<6>(H, g); });
+}
+
+Pose RefinePosition(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
+                    double huber, const std::optional<PositionPrior>& prior) {
+  return Refine(sightings, use, X_WC, huber, prior, [](const Matrix6d& H, const Vector6d& g) {
+    Vector6d step = Vector6d::Zero();
+    step.head<3>() = SolveSymmetric<3>(H.topLeftCorner<3, 3>(), g.head<3>());
+    return step;
+  });
 }
 
 TurnResult EstimateTurn(const std::vector<InverseDepthSighting>& sightings, const PositionPrior& prior,

@@ -113,6 +113,10 @@ struct PositionPrior {
 Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
                 double huber, const std::optional<PositionPrior>& prior = {});
 
+/// The same with the rotation held, which is known better than these sightings tell it.
+Pose RefinePosition(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
+                    double huber, const std::optional<PositionPrior>& prior = {});
+
 /// The rotation of a camera whose position is roughly known. Two sightings determine it, so that few true ones among
 /// many false suffice (after the one-point RANSAC of Civera, Grasa, Davison and Montiel, JFR 2010). A hypothesis is
 /// scored by the likelihood ratio of the sightings to chance; the position's uncertainty is part of it, so that near

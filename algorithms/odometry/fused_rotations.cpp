@@ -12,37 +12,48 @@ FusedRotations::FusedRotations(const ImuCalibration& imu)
 
 void FusedRotations::Begin(const Observation& observation) {
   constexpr double kSharp_rad = 0.002;  // of the rotation that a sharp image says, about each axis
-  constexpr double kBesides = 0.15;     // of the turn over the exposure, about each axis
+  constexpr double kBesides = 0.3;      // of the turn over the exposure, about each axis
   gyro_.Add(observation.imu);
   exposure_.Add(observation);
-  present_ = {};
+  turn_ = {};
   if (last_ns_) {
-    present_.turn = gyro_.Between(*last_ns_, observation.stamp_ns);
-    present_.seconds = 1e-9 * double(observation.stamp_ns - *last_ns_);
+    turn_.turn = gyro_.Between(*last_ns_, observation.stamp_ns);
+    turn_.seconds = 1e-9 * double(observation.stamp_ns - *last_ns_);
   }
-  if (present_.turn) {
-    present_.sigma =
-        std::hypot(BenchGyro::kMisaligned_rad * present_.turn->norm(), noise_density_ * std::sqrt(present_.seconds));
+  if (turn_.turn) {
+    turn_.sigma =
+        std::hypot(BenchGyro::kMisaligned_rad * turn_.turn->norm(), noise_density_ * std::sqrt(turn_.seconds));
   }
   const double besides = std::hypot(kSharp_rad, kBesides * exposure_.Extent());
-  present_.spread = exposure_.TurnSpread() + besides * besides * Eigen::Matrix3d::Identity();
+  turn_.spread = exposure_.TurnSpread() + besides * besides * Eigen::Matrix3d::Identity();
   last_ns_ = observation.stamp_ns;
   constexpr int64_t kPeriods_ns = 100'000'000;
   gyro_.DropBefore(*last_ns_ - kPeriods_ns);
 }
 
-RotationChain::Rotation FusedRotations::Predicted() const { return chain_.Predict(present_); }
+RotationChain::Rotation FusedRotations::Predicted() const { return chain_.Predict(turn_); }
 
-void FusedRotations::Fuse(FrameEstimate& answer) {
-  const RotationChain::Rotation image = answer.pose ? RotationChain::Rotation(answer.pose->rotation) : std::nullopt;
-  const RotationChain::Rotation fused = chain_.Add(present_, image, answer.restarted);
-  if (image) answer.pose->rotation = *fused;
+void FusedRotations::Add(const RotationChain::Rotation& R_WC, bool begins) {
+  image_ = R_WC;
+  rotation_ = chain_.Add(turn_, R_WC, begins);
+  said_.push_back(Eigen::Quaterniond::Identity());
+}
+
+Eigen::Quaterniond FusedRotations::SeenFrom() {
+  Eigen::Quaterniond nearest = *rotation_;
+  for (const ExposureRotation& then : exposure_.Rotations()) {
+    const Eigen::Quaterniond R_WT = *rotation_ * then.rotation.conjugate();
+    if (RotationAngle(R_WT, *image_) < RotationAngle(nearest, *image_)) nearest = R_WT;
+  }
+  said_.back() = nearest.conjugate() * *image_;
+  return nearest;
 }
 
 void FusedRotations::Smooth(std::vector<FrameEstimate>& frames) const {
-  std::vector<RotationChain::Rotation> images;
-  for (const FrameEstimate& frame : frames)
-    images.push_back(frame.pose ? RotationChain::Rotation(frame.pose->rotation) : std::nullopt);
+  std::vector<RotationChain::Rotation> images(frames.size());
+  for (size_t k = 0; k < frames.size(); ++k) {
+    if (frames[k].pose) images[k] = frames[k].pose->rotation * said_[k];
+  }
   const std::vector<RotationChain::Rotation> smoothed = chain_.Smoothed(images);
   for (size_t k = 0; k < frames.size(); ++k) {
     if (frames[k].pose) frames[k].pose->rotation = *smoothed[k];

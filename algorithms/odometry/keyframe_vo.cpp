@@ -84,7 +84,7 @@ class KeyframeVo::Tracker {
     if (fused_) fused_->Begin(observation);
     FrameEstimate answer = Answer(observation);
     records_.Add(answer, map_);
-    if (fused_) fused_->Fuse(answer);
+    if (fused_ && answer.pose) answer.pose->rotation = *fused_->Present();
     if (gyro_) gyro_->DropBefore((last_ ? last_->stamp_ns : observation.stamp_ns) - kKeepImu_ns);
     if (HasMap() && !waiting_.empty()) BeginBacklog(observation.stamp_ns);
     LocalizeOneOfBacklog();
@@ -160,6 +160,7 @@ class KeyframeVo::Tracker {
   BlurAwareFeature& ToldBlurBy(const Calibration& calibration) const;
   void TellBlur(const Observation& observation);
   void Unroll(int64_t stamp_ns, FrameView& view) const;
+  void HoldRotation(FrameView& view, int64_t stamp_ns);
   void LearnBias(const Pose& X_WC, int64_t stamp_ns);
   bool Initialize(FrameView& view, int64_t stamp_ns, std::optional<Pose>& predicted);
   std::optional<KnownTurn> TurnSinceReference(int64_t stamp_ns);
@@ -229,6 +230,7 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   if (!found) {
     answer.status = had_map ? TrackingStatus::kLost : TrackingStatus::kInitializing;
     if (had_map) answer.predicted = PredictPose(answer.stamp_ns);
+    if (fused_) fused_->Add({}, false);
     Postpone(view, answer.stamp_ns);
     if (had_map && ++lost_frames_ > options_.max_lost_frames) GiveUpMap();
     return answer;
@@ -236,8 +238,10 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   lost_frames_ = 0;
   answer.status = TrackingStatus::kTracking;
   answer.restarted = std::exchange(is_restart_due_, false);
+  if (had_map) answer.restarted = !LandmarkLocalizer::IsWithinReach(PredictPosition(answer.stamp_ns), view.X_WC);
+  if (fused_) fused_->Add(view.X_WC.rotation, answer.restarted);
   if (had_map) {
-    answer.restarted = !LandmarkLocalizer::IsWithinReach(PredictPosition(answer.stamp_ns), view.X_WC);
+    if (fused_ && !answer.restarted) HoldRotation(view, answer.stamp_ns);
     if (gyro_ && !answer.restarted) LearnBias(view.X_WC, answer.stamp_ns);
     Extend(view, answer.stamp_ns);
   }
@@ -308,7 +312,13 @@ Pose KeyframeVo::Tracker::PredictPose(int64_t stamp_ns) const {
   return prediction;
 }
 
-/// @param X_WC of the present frame, as the image says
+/// Where a frame is blurred its image tells rotation and position badly apart; the gyroscope knows the rotation.
+void KeyframeVo::Tracker::HoldRotation(FrameView& view, int64_t stamp_ns) {
+  const Pose seen_from(fused_->SeenFrom(), view.X_WC.translation);
+  view.X_WC = localizer_.Reposition(map_, view, inliers_, seen_from, PredictPosition(stamp_ns));
+}
+
+/// @param X_WC of the present frame
 void KeyframeVo::Tracker::LearnBias(const Pose& X_WC, int64_t stamp_ns) {
   constexpr double kSigma_rad = 0.002;  // of the rotation between two frames
   const auto turn = gyro_->Between(last_->stamp_ns, stamp_ns);

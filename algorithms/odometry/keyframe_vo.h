@@ -58,8 +58,8 @@ struct KeyframeVoOptions {
   int adjust_iterations = 10;  ///< Largest number of iterations of one bundle adjustment.
   int memory = 20;             ///< Keyframes after which a landmark that was not seen again is removed.
   bool use_floor = true;       ///< FloorPrior.
-  /// Each frame's rotation by its image and the gyroscope together (FusedRotations), whose bias is learned; it also
-  /// predicts where landmarks are searched for. Positions are the images' alone. Without a gyroscope nothing changes.
+  /// Each frame's rotation by its image and the gyroscope together (FusedRotations), whose bias is learned; with it
+  /// landmarks are searched for and the position is found. Without a gyroscope nothing changes.
   bool use_imu = false;
   /// A detector that accounts for blur takes images with less as they are; 0: its own limit. BadOption where it has
   /// none.

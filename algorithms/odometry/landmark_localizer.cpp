@@ -109,7 +109,8 @@ std::optional<LandmarkPose> LandmarkLocalizer::Attempt::FindConsensusNearby(cons
   constexpr double kMinSigmas = 4;  // above the mean of a Poisson distribution; many rotations are tried
   const double required = std::max(double(min_inliers_), turn.chance + kMinSigmas * std::sqrt(turn.chance));
   if (double(turn.inliers.size()) < required) return {};
-  auto refined = RefineOverInliers(matches, sightings, RefinePose(sightings, turn.inliers, turn.X_WC, 2, prior), prior);
+  auto refined =
+      RefineOverInliers(matches, sightings, RefinePose(sightings, turn.inliers, turn.X_WC, kHuber, prior), prior);
   if (refined && !IsWithinReach(prior, refined->X_WC)) return {};
   return refined;
 }
@@ -154,11 +155,23 @@ std::optional<LandmarkPose> LandmarkLocalizer::Attempt::RefineOverInliers(
       if (Mahalanobis2(sightings[size_t(i)], camera) < limit2) inliers.push_back(i);
     }
     if (int(inliers.size()) < min_inliers_) return {};
-    pose = RefinePose(sightings, inliers, pose, 2, prior);
+    pose = RefinePose(sightings, inliers, pose, kHuber, prior);
   }
   LandmarkPose refined{pose, {}, int(matches.size())};
   for (const int i : inliers) refined.inliers.push_back(matches[size_t(i)]);
   return refined;
+}
+
+Pose LandmarkLocalizer::Reposition(const KeyframeMap& map, const FrameView& view,
+                                   const std::vector<LandmarkMatch>& inliers, const Pose& X_WC,
+                                   const PositionPrior& prior) const {
+  std::vector<InverseDepthSighting> sightings;
+  std::vector<int> all;
+  for (const LandmarkMatch& match : inliers) {
+    all.push_back(int(all.size()));
+    sightings.push_back(SightingOf(map, view, match, 1));
+  }
+  return RefinePosition(sightings, all, X_WC, kHuber, prior);
 }
 
 LandmarkSearchOptions LandmarkLocalizer::SearchOptions(double radius, double ratio) const {

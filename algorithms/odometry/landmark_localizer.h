@@ -93,8 +93,14 @@ class LandmarkLocalizer {
                                               const StampedPose& before, const StampedPose& after, double median_depth,
                                               double expected_inliers, RandomStream& random) const;
 
+  /// The position from which landmarks are seen at a rotation that is known otherwise.
+  /// @param X_WC about where, and the rotation
+  Pose Reposition(const KeyframeMap& map, const FrameView& view, const std::vector<LandmarkMatch>& inliers,
+                  const Pose& X_WC, const PositionPrior& prior) const;
+
  private:
   class Attempt;
+  static constexpr double kHuber = 2;  ///< Standard deviations.
   /// What does not depend on the noise that an attempt assumes, found when the first one asks for it.
   struct Candidates {
     std::optional<std::vector<LandmarkMatch>> nearby, anywhere;

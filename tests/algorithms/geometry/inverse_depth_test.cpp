@@ -80,6 +80,20 @@ TEST(RefinePose, GoodSightingsOutvoteAWrongPrior) {
   EXPECT_LT((found.translation - C.translation).norm(), 0.01);  // some sigma / sqrt(200) of points 2 away
 }
 
+TEST(RefinePosition, FindsTheBestPositionAndHoldsTheRotation) {
+  const Pose C(Turned(), {0.2, 0, 0});
+  const std::vector<InverseDepthSighting> sightings = Sightings(C, 200, 0);
+  std::vector<int> all;
+  for (int i = 0; i < 200; ++i) all.push_back(i);
+  const Pose found = RefinePosition(sightings, all, Pose(C.rotation, {0, 0.1, 0.1}), 2);
+  EXPECT_EQ(found.rotation.coeffs(), C.rotation.coeffs());
+  EXPECT_LT((found.translation - C.translation).norm(), 0.01);  // as above
+  const Eigen::Quaterniond wrong = C.rotation * ExpSo3({0, 0.02, 0});
+  const Pose shifted = RefinePosition(sightings, all, Pose(wrong, C.translation), 2);
+  EXPECT_NEAR(RotationAngle(shifted.rotation, wrong), 0, 1e-12);
+  EXPECT_GT((shifted.translation - C.translation).norm(), 0.02) << "to the side, as a turn looks like";
+}
+
 /// A camera that has just turned to a wall: most points are new, and their depth is assumed.
 TEST(RefinePose, AssumedDepthsTogetherCountAsOne) {
   const Pose C(Turned(), {0.08, 0, 0.06});
