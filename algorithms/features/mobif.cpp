@@ -110,6 +110,12 @@ MobifOptions::MobifOptions() {
   sift.kind_weight = 0.2;
 }
 
+MobifOptions MobifBlobsOptions() {
+  MobifOptions options;
+  options.hessian.saddles = false;
+  return options;
+}
+
 MobifOptions MobifFastOptions() {
   MobifOptions options;
   options.wiener.border_passes = 2;

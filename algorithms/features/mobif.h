@@ -73,6 +73,9 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
   visit("discard_low_entropy", o.discard_low_entropy, Nested(), "discard features of low entropy");
 }
 
+/// Options without saddle points of the Hessian's determinant: fewer points, whose positions odometries can use
+/// better where images are strongly blurred (results/studies/blur_handling).
+MobifOptions MobifBlobsOptions();
 /// Options that cost about half as much: fewer points of a blurred image.
 MobifOptions MobifFastOptions();
 /// Options that also look for blur along a path.

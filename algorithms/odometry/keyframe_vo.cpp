@@ -21,6 +21,7 @@
 #include "algorithms/odometry/keyframe_map.h"
 #include "algorithms/odometry/mean_velocity.h"
 #include "algorithms/odometry/metric_scale.h"
+#include "algorithms/odometry/sharp_frames.h"
 
 namespace gaitcam {
 namespace {
@@ -198,6 +199,8 @@ class KeyframeVo::Tracker {
   std::optional<Turned> turned_;         ///< Since the initialiser's reference, as far as it was measured.
   std::optional<FusedRotations> fused_;  ///< With use_imu.
 
+  SharpFrames sharp_{0.1};
+  bool is_sharp_ = true;                ///< The present frame is among the sharper ones.
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int matches_ = 0;                     ///< Likewise; 0 where there was no map yet.
   MeanVelocity velocity_;               ///< In the present map.
@@ -220,6 +223,7 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   FrameView view = ViewFrame(observation.image.pixels, camera_, *detector_, max_features_,
                              {options_.localizer.sigma_px, options_.localizer.sigma_per_size});
   if (options_.shutter_by_imu && gyro_ && calibration_.readout_ms > 0) Unroll(observation.stamp_ns, view);
+  is_sharp_ = sharp_.Add(-FineDetail(observation.image.pixels));
   answer.features = view.features.size();
   inliers_.clear();
   matches_ = 0;
@@ -365,7 +369,7 @@ void KeyframeVo::Tracker::Extend(FrameView& view, int64_t stamp_ns) {
   const Pose& X_WK = map_.keyframes().back();
   const double parallax = map_.MedianParallax(inliers_, X_WK.translation, view.X_WC.translation);
   const double turn_rad = RotationAngle(X_WK.rotation, view.X_WC.rotation);
-  if (policy_.IsKeyframe(stamp_ns, {camera_.fx * parallax, turn_rad, int(inliers_.size())})) {
+  if (policy_.IsKeyframe(stamp_ns, {camera_.fx * parallax, turn_rad, int(inliers_.size()), is_sharp_})) {
     AddKeyframe(view, stamp_ns);
   } else {
     map_.Refresh(view, inliers_);

@@ -6,7 +6,7 @@
 /// - MeanVelocity: where the camera will be, but for its swaying;
 /// - ShutterTurn: rolling-shutter correction, where a key point was at the frame's stamp;
 /// - LandmarkLocalizer: a frame's pose from landmarks near a prediction, or anywhere (relocalisation);
-/// - KeyframePolicy: which frame becomes a keyframe;
+/// - KeyframePolicy: which frame becomes a keyframe, of those that SharpFrames takes for sharp;
 /// - KeyframeMap: landmarks, keyframes, windowed bundle adjustment;
 /// - FloorPrior: depths of what lies on the floor, which keeps the scale;
 /// - MetricScale: the map's unit in metres, by the camera's height over the floor;
@@ -41,7 +41,7 @@ namespace gaitcam {
 struct KeyframeVoOptions {
   using DescribedTag = void;
 
-  std::string feature = "mobif";  ///< Detector by name (algorithms/features/features.h).
+  std::string feature = "mobif_blobs";  ///< Detector by name (algorithms/features/features.h).
   /// Strongest features kept per frame; 0: 800 of 320 x 240 px and less, of larger images more in proportion to their
   /// area (results/studies/odometry_resolution: 800 of 640 x 480 px are too few).
   int max_features = 0;

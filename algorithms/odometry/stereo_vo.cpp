@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 #include <map>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "algorithms/core/random.h"
 #include "algorithms/odometry/exposure_motion.h"
 #include "algorithms/odometry/landmark_drift.h"
+#include "algorithms/odometry/sharp_frames.h"
 #include "algorithms/odometry/stereo_map.h"
 
 namespace gaitcam {
@@ -101,7 +101,6 @@ class StereoVo::Tracker {
   void Extend(const StereoView& view, const Localized& found);
   void Remember(const StampedPose& known, double turn_sigma);
   void Lose(Record& record);
-  void NoteBlur();
 
   void NoteKeyframe();
   void Answer(const RigPoseResult& result, const std::vector<int>& landmarks, Passed& passed, Record& record) const;
@@ -127,8 +126,8 @@ class StereoVo::Tracker {
   std::optional<StampedPose> last_;  ///< The last known pose.
   double last_turn_sigma_ = 0;       ///< Of its rotation, by its own images, rad; 0: a map begins there.
   int lost_frames_ = 0;
-  std::deque<double> blurs_;                  ///< Spread of the turn over the exposure, of the latest frames.
-  bool is_sharp_ = true;                      ///< The present frame is among the sharper ones of these.
+  SharpFrames sharp_{0};
+  bool is_sharp_ = true;                      ///< The present frame is among the sharper ones.
   Passed live_, final_;                       ///< By the last frame, tracked and finished.
   std::map<int, LandmarkGains> at_keyframe_;  ///< Of the keyframes of which frames are not finished.
   std::vector<Record> records_;
@@ -144,7 +143,7 @@ FrameEstimate StereoVo::Tracker::Track(const Observation& observation) {
     record.answer.features = int(view->left.size());
     record.unknown_motion = motion_.UnknownMotion(options_.noise.common_per_blur);
     record.rate_covariance = motion_.RateCovariance(readout_ms_);
-    NoteBlur();
+    is_sharp_ = sharp_.Add(motion_.Extent());
     record.residuals_share =
         options_.noise.residuals_share + options_.noise.hidden_per_blur * rig_.left.fx * motion_.Extent();
     if (!(map_.IsEmpty() ? Begin(*view, record) : Localize(*view, record))) Lose(record);
@@ -314,17 +313,6 @@ void StereoVo::Tracker::Extend(const StereoView& view, const Localized& found) {
     if (found.result.use[m] != SightingUse::kNone) inliers.push_back(found.matches[m]);
   }
   map_.Refresh(view, inliers);
-}
-
-/// A step of a walk takes some ten frames: one of three is taken to be sharp.
-void StereoVo::Tracker::NoteBlur() {
-  constexpr size_t kFrames = 12;
-  constexpr double kSharpShare = 0.35;
-  const double blur = motion_.Extent();
-  blurs_.push_back(blur);
-  if (blurs_.size() > kFrames) blurs_.pop_front();
-  const auto sharper = std::count_if(blurs_.begin(), blurs_.end(), [&](double other) { return other < blur; });
-  is_sharp_ = double(sharper) <= kSharpShare * double(blurs_.size());
 }
 
 void StereoVo::Tracker::Remember(const StampedPose& known, double turn_sigma) {

@@ -200,7 +200,7 @@ Entry AppearanceEntry(const std::string& name, const std::string& description) {
 std::vector<Entry> MakeEntries() {
   std::vector<Entry> entries = {
       KeyframeVoWith("akaze", "the odometry of mobif_vo with AKAZE features"),
-      KeyframeVoWith("mobif", "monocular keyframe odometry with MoBIF features"),
+      Preset("mobif_vo", "monocular keyframe odometry with MoBIF features", KeyframeVoOptions()),
       MobifVoPlus(),
       KeyframeVoWith("orb", "the odometry of mobif_vo with ORB features", 4),
       KeyframeVoWith("sift", "the odometry of mobif_vo with SIFT features: the plain baseline"),
