@@ -113,7 +113,7 @@ struct PositionPrior {
 Pose RefinePose(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
                 double huber, const std::optional<PositionPrior>& prior = {});
 
-/// The same with the rotation held, which is known better than these sightings tell it.
+/// The same with the rotation of `X_WC` held: for a rotation that is known better than these sightings tell it.
 Pose RefinePosition(const std::vector<InverseDepthSighting>& sightings, const std::vector<int>& use, const Pose& X_WC,
                     double huber, const std::optional<PositionPrior>& prior = {});
 

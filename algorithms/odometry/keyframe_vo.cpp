@@ -199,8 +199,8 @@ class KeyframeVo::Tracker {
   std::optional<Turned> turned_;         ///< Since the initialiser's reference, as far as it was measured.
   std::optional<FusedRotations> fused_;  ///< With use_imu.
 
-  SharpFrames sharp_{0.1};
-  bool is_sharp_ = true;                ///< The present frame is among the sharper ones.
+  SharpFrames sharp_{0.1};  // grain and what comes into view change the detail of frames that are equally sharp
+  bool is_sharp_ = true;    ///< The present frame is among the sharper ones.
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int matches_ = 0;                     ///< Likewise; 0 where there was no map yet.
   MeanVelocity velocity_;               ///< In the present map.

@@ -10,7 +10,7 @@ namespace gaitcam {
 
 class SharpFrames {
  public:
-  /// @param alike a frame whose blur is smaller by this part counts as no sharper
+  /// @param alike part of a frame's blur by which another's must be smaller for that one to count as sharper
   explicit SharpFrames(double alike) : alike_(alike) {}
 
   /// The next frame. @param blur any measure that grows with it

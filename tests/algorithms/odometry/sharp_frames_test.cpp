@@ -38,7 +38,7 @@ TEST(SharpFrames, WhereAllAreAboutAlikeAllAreSharp) {
   for (int i = 0; i < 30; ++i) EXPECT_TRUE(frames.Add(1 + 0.04 * std::sin(i))) << i;
 }
 
-TEST(FineDetail, FallsAsAnImageIsBlurredAndNotAsItIsLitOtherwise) {
+TEST(FineDetail, FallsAsAnImageIsBlurredWhateverItsMeanBrightness) {
   RandomStream random(1, "sharp_frames_test");
   cv::Mat image(120, 160, CV_8UC3);
   for (cv::Vec3b& pixel : cv::Mat_<cv::Vec3b>(image)) pixel = cv::Vec3b::all(uchar(60 + random.Index(100)));
