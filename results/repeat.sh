@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Repeats studies, and puts what they end with beside what is concluded from them, in results/studies/NAME: tables.md,
-# summary.csv, effects.csv, and of runs.csv the columns that the study's tables are about.
+# summary.csv, effects.csv, and of runs.csv the columns that the study's tables are about. Then fills the tables of the
+# page there from these rows (results/tables.py); what the page concludes from them is for people to write.
 #
 #   results/repeat.sh quickstart                       some minutes; each README there says what it was made with
 #   results/repeat.sh odometry_lab_loop step_length    hours; a study that was interrupted goes on where it was
@@ -29,4 +30,5 @@ with open(came + "/runs.csv") as file:
         table.writeheader()
         table.writerows(rows)
 PYTHON
+  [ ! -e "$to/README.md" ] || results/tables.py "$to/README.md"
 done
