@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 struct BlurredFeatureOptions {
   InputPaths pairs;                   ///< Folders of image pairs; empty: pictures of Debian's opencv-doc.
   std::vector<std::string> walk;      ///< Recordings with their truth beside them.
+  bool walk_alone = false;            ///< No photographs.
   std::vector<std::string> detector;  ///< Empty: all.
   bool kernels = false;               ///< The table of blur_kernels.h instead.
   int strongest = 0;                  ///< Of each image, for equal numbers; 0: what each detector finds by itself.
@@ -30,6 +31,7 @@ void VisitFields(Visitor& visit, BlurredFeatureOptions& o) {
   visit("pairs", o.pairs, Nested(),
         "folders of image pairs in Oxford layout: img1.png, img2.png, H1to2p, ... (default: pictures of opencv-doc)");
   visit("walk", o.walk, Nested(), "also frames of a recording with its truth beside it");
+  visit("walk_alone", o.walk_alone, Nested(), "of the recordings alone, no photographs");
   visit("detector", o.detector, Nested(), "only this detector (default: all)");
   visit("kernels", o.kernels, Nested(), "instead: blur along paths as a walk makes them, unknown and known");
   visit("strongest", o.strongest, Between(0, 20000),
@@ -52,6 +54,7 @@ std::vector<ImagePair> PackagedPairs(uint64_t seed) {
 void CheckKernelOptions(const BlurredFeatureOptions& options) {
   if (!options.detector.empty()) throw BadInput("--detector: not with --kernels, which compares detectors of its own");
   if (!options.walk.empty()) throw BadInput("--walk: not with --kernels, which blurs photographs");
+  if (options.walk_alone) throw BadInput("--walk-alone: not with --kernels, which blurs photographs");
   if (options.strongest > 0) throw BadInput("--strongest: not with --kernels, which takes all points");
 }
 
@@ -66,12 +69,16 @@ class BlurredFeatures : public ExperimentOf<BlurredFeatureOptions> {
     options.detectors = ExperimentDetectors(options.strongest > 0);
     if (!options_.detector.empty()) options.detectors = options_.detector;
     CheckDetectors(options);
-    const std::vector<ImagePair> pairs = Pairs();
+    if (options_.walk_alone && (options_.walk.empty() || !options_.pairs.paths.empty()))
+      throw BadInput("--walk-alone: needs a --walk, and no folders of image pairs");
+    const std::vector<ImagePair> pairs = options_.walk_alone ? std::vector<ImagePair>() : Pairs();
     if (options_.kernels) return RunKernels(pairs, setup);
     std::vector<WalkPair> frames = WalkPairs();
-    Progress pairs_progress("pairs", int64_t(pairs.size() * CameraSettings().size()), setup.quiet);
-    cells_ = RunFeatureExperiment(pairs, options, [&](int done, int) { pairs_progress.Update(done); });
-    pairs_progress.Finish();
+    if (!pairs.empty()) {
+      Progress pairs_progress("pairs", int64_t(pairs.size() * CameraSettings().size()), setup.quiet);
+      cells_ = RunFeatureExperiment(pairs, options, [&](int done, int) { pairs_progress.Update(done); });
+      pairs_progress.Finish();
+    }
     if (!frames.empty()) {
       Progress walk_progress("walk", int64_t(frames.size()), setup.quiet);
       walk_ = RunWalkExperiment(frames, options, [&](int done, int) { walk_progress.Update(done); });
@@ -80,7 +87,7 @@ class BlurredFeatures : public ExperimentOf<BlurredFeatureOptions> {
     command_ = setup.command;
     fs::path beside = setup.table;
     WriteWholeFile(beside.replace_extension(".json"), FeatureJson(cells_, walk_));
-    if (!cv::imwrite(beside.replace_extension(".png").string(), FeaturePlot(cells_)))
+    if (!cells_.empty() && !cv::imwrite(beside.replace_extension(".png").string(), FeaturePlot(cells_)))
       throw MissingResource(beside.string() + ": cannot be written");
   }
   std::string Table() const override {

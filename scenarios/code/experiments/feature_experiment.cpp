@@ -466,23 +466,38 @@ std::vector<FeatureCell> RunFeatureExperiment(const std::vector<ImagePair>& pair
 
 std::vector<WalkCell> RunWalkExperiment(const std::vector<WalkPair>& pairs, const FeatureExperimentOptions& options,
                                         const std::function<void(int done, int all)>& progress) {
-  const std::vector<double> limits_px = {0, 3, 6, 10, 1e9};
-  std::vector<WalkCell> cells;
-  for (size_t bin = 0; bin + 1 < limits_px.size(); ++bin)
-    for (const std::string& name : options.detectors)
-      cells.push_back({name, limits_px[bin], limits_px[bin + 1], 0, {}});
+  const size_t detectors = options.detectors.size();
+  std::vector<MatchCount> counts(pairs.size() * detectors);
+  std::mutex mutex;
   int done = 0;
-  for (const WalkPair& pair : pairs) {
-    for (WalkCell& cell : cells) {
-      if (pair.blur_px < cell.from_px || pair.blur_px >= cell.to_px) continue;
-      const Features a = Extract(cell.detector, pair.a, options);
-      const Features b = Extract(cell.detector, pair.b, options);
-      cell.count += CountMatches(a, b, pair.map, {options.ratios.front()}).front();
-      ++cell.pairs;
+  InParallel(int(pairs.size()), options.jobs, [&](int i) {
+    const WalkPair& pair = pairs[size_t(i)];
+    for (size_t d = 0; d < detectors; ++d) {
+      const std::string& name = options.detectors[d];
+      counts[size_t(i) * detectors + d] = CountMatches(Extract(name, pair.a, options), Extract(name, pair.b, options),
+                                                       pair.map, {options.ratios.front()})
+                                              .front();
     }
+    const std::lock_guard lock(mutex);
     progress(++done, int(pairs.size()));
+  });
+  const size_t sift = size_t(std::ranges::find(options.detectors, "sift") - options.detectors.begin());
+  const std::vector<double> limits_px = {0, 3, 6, 10, 15, 1e9};
+  std::vector<WalkCell> cells;
+  for (size_t bin = 0; bin + 1 < limits_px.size(); ++bin) {
+    for (size_t d = 0; d < detectors; ++d) {
+      WalkCell cell{options.detectors[d], limits_px[bin], limits_px[bin + 1], 0, {}, {}};
+      if (sift < detectors && d != sift) cell.more_than_sift = 0;
+      for (size_t i = 0; i < pairs.size(); ++i) {
+        if (pairs[i].blur_px < cell.from_px || pairs[i].blur_px >= cell.to_px) continue;
+        const MatchCount& count = counts[i * detectors + d];
+        cell.count += count;
+        ++cell.pairs;
+        if (cell.more_than_sift) *cell.more_than_sift += count.correct > counts[i * detectors + sift].correct;
+      }
+      if (cell.pairs > 0) cells.push_back(cell);
+    }
   }
-  std::erase_if(cells, [](const WalkCell& cell) { return cell.pairs == 0; });
   return cells;
 }
 

@@ -130,6 +130,7 @@ struct WalkCell {
   double from_px = 0, to_px = 0;
   int pairs = 0;
   MatchCount count;
+  std::optional<int> more_than_sift;  ///< Pairs with more correct matches than `sift` has; nothing without `sift`.
 };
 
 std::vector<WalkCell> RunWalkExperiment(const std::vector<WalkPair>& pairs, const FeatureExperimentOptions& options,

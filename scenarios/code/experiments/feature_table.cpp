@@ -74,16 +74,18 @@ std::string Grid(const std::vector<FeatureCell>& cells, const std::string& setti
 std::string WalkTable(const std::vector<WalkCell>& walk) {
   if (walk.empty()) return "";
   std::string text =
-      "## Frames of a walk\n\nReal blur of a walking robot's camera; true correspondences from depth and pose. Ratio "
-      "0.8. "
-      "Correct matches per pair of frames, precision, median error.\n\n"
-      "| median blur | pairs | detector | correct per pair | precision | error |\n|---|---:|---|---:|---:|---:|\n";
+      "## Frames of a walk\n\nReal blur of a walking robot's camera, the greater median of the two frames; true "
+      "correspondences from depth and pose. Ratio 0.8. Correct matches per pair of frames, in how many pairs there are "
+      "more than `sift` has, precision, median error.\n\n"
+      "| median blur | pairs | detector | correct per pair | more than SIFT | precision | error |\n"
+      "|---|---:|---|---:|---:|---:|---:|\n";
   for (const WalkCell& cell : walk)
-    text += fmt::format("| {} | {} | {} | {:.1f} | {:.0f} % | {:.2f} px |\n",
+    text += fmt::format("| {} | {} | {} | {:.1f} | {} | {:.0f} % | {:.2f} px |\n",
                         cell.to_px < 1e6 ? fmt::format("{:.0f} to {:.0f} px", cell.from_px, cell.to_px)
                                          : fmt::format("{:.0f} px and more", cell.from_px),
                         cell.pairs, cell.detector, double(cell.count.correct) / cell.pairs,
-                        100 * cell.count.Precision(), cell.count.MedianError());
+                        cell.more_than_sift ? std::to_string(*cell.more_than_sift) : "-", 100 * cell.count.Precision(),
+                        cell.count.MedianError());
   return text + "\n";
 }
 
@@ -91,7 +93,9 @@ std::string WalkTable(const std::vector<WalkCell>& walk) {
 
 std::string FeatureTable(const std::vector<FeatureCell>& cells, const std::vector<WalkCell>& walk,
                          const std::vector<std::string>& pairs, const std::string& command) {
-  std::string text = "# Features on blurred images\n\nMade by `" + command + "`.\n\nImage pairs: ";
+  std::string text = "# Features on blurred images\n\nMade by `" + command + "`.\n\n";
+  if (cells.empty()) return text + WalkTable(walk);
+  text += "Image pairs: ";
   for (size_t i = 0; i < pairs.size(); ++i) text += (i ? ", " : "") + pairs[i];
   text += fmt::format(
       ". A line blur of the given extent in a direction drawn from the seed, on one image or on both (in different "
@@ -107,9 +111,8 @@ std::string FeatureTable(const std::vector<FeatureCell>& cells, const std::vecto
       text += Grid(cells, setting, ratio, CorrectText);
       text += "Precision and median error of the correct ones.\n\n" + Grid(cells, setting, ratio, QualityText);
     }
-  if (!cells.empty())
-    text += "## Key points in the image that had the fewest, " + cells.front().setting + "\n\n" +
-            Grid(cells, cells.front().setting, cells.front().ratio, FewestText);
+  text += "## Key points in the image that had the fewest, " + cells.front().setting + "\n\n" +
+          Grid(cells, cells.front().setting, cells.front().ratio, FewestText);
   return text + WalkTable(walk);
 }
 
@@ -133,6 +136,7 @@ std::string FeatureJson(const std::vector<FeatureCell>& cells, const std::vector
   }
   for (const WalkCell& cell : walk) {
     nlohmann::ordered_json out = {{"detector", cell.detector}, {"blur_from_px", cell.from_px}, {"pairs", cell.pairs}};
+    if (cell.more_than_sift) out["pairs_with_more_than_sift"] = *cell.more_than_sift;
     numbers(cell.count, out);
     json["walk"].push_back(out);
   }

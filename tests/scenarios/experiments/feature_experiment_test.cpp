@@ -209,6 +209,30 @@ TEST(FeatureExperiment, KernelsOfAWalkOnOneSmallPair) {
   EXPECT_NE(table.find("## Confidence"), std::string::npos);
 }
 
+TEST(FeatureExperiment, PairsOfAWalkAreCountedByTheirBlurAndAgainstSiftPairByPair) {
+  const cv::Mat sharp = cv::imread((kPictures / "home.jpg").string(), cv::IMREAD_GRAYSCALE)(cv::Rect(80, 40, 320, 240));
+  const auto filmed = [&](double extent_px) { return FilmBlurred(sharp, {extent_px, 0.4}, {"", false, 0, 0}, 1); };
+  const auto still = [](const Eigen::Vector2d& pixel) { return std::optional(pixel); };
+  const std::vector<WalkPair> pairs = {{filmed(0), filmed(16), still, 16},
+                                       {filmed(0), filmed(0), still, 2},
+                                       {filmed(0), cv::Mat(192, 272, CV_8UC1, cv::Scalar(90)), still, 15}};
+  FeatureExperimentOptions options;
+  options.detectors = {"mobif_fast", "sift"};
+  const std::vector<WalkCell> cells = RunWalkExperiment(pairs, options, [](int, int) {});
+  ASSERT_EQ(cells.size(), 4u);  // no pair lies from 3 to 15 px
+  const WalkCell &ours = cells[2], &sift = cells[3];
+  EXPECT_EQ(ours.from_px, 15);
+  EXPECT_EQ(ours.pairs, 2);
+  EXPECT_GT(ours.count.correct, 3 * sift.count.correct);
+  EXPECT_EQ(ours.more_than_sift, 1);  // nothing is found in a grey picture by either
+  EXPECT_FALSE(sift.more_than_sift);
+  EXPECT_EQ(cells[1].pairs, 1);
+  EXPECT_EQ(cells[1].count.Precision(), 1);  // the same picture twice
+  const std::string table = FeatureTable({}, cells, {}, "gaitcam experiment features --walk-alone");
+  EXPECT_NE(table.find("| 15 px and more | 2 | mobif_fast |"), std::string::npos) << table;
+  EXPECT_EQ(table.find("Image pairs"), std::string::npos);
+}
+
 TEST(FeatureExperiment, SaysWhatIsWrongWithAFolder) {
   const TemporaryFolder folder;
   EXPECT_THROW(ReadPairs(folder.path()), BadInput);
