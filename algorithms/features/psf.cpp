@@ -17,6 +17,12 @@ struct EstimatorEntry {
 
 std::vector<EstimatorEntry> Entries() {
   return {{{"spectral", "power spectrum against that of a line"}, [] { return std::make_unique<SpectralPsf>(); }},
+          {{"spectral_light", "the same of light and not of grey values"},
+           [] {
+             SpectralOptions options;
+             options.light = true;
+             return std::make_unique<SpectralPsf>(options);
+           }},
           {{"whitening", "least derivatives and their auto-correlation (thesis, section 5.2.1)"},
            [] { return std::make_unique<WhiteningPsf>(); }}};
 }

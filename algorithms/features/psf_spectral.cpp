@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/units.h"
+#include "algorithms/features/light_response.h"
 
 namespace gaitcam {
 namespace {
@@ -30,6 +32,13 @@ void AddPeaks(const std::vector<LineFit>& fits, size_t most, std::vector<LineFit
                    [](const LineFit& a, const LineFit& b) { return a.correlation > b.correlation; });
   found.resize(std::min(found.size(), most));
   peaks.insert(peaks.end(), found.begin(), found.end());
+}
+
+/// As Laplacian has it of grey values; white is 255.
+cv::Mat LaplacianOfLight(const cv::Mat& grey) {
+  cv::Mat edges;
+  cv::Laplacian(LightOfGrey(grey), edges, CV_32F, 1, -255);
+  return edges(cv::Rect(1, 1, grey.cols - 2, grey.rows - 2)).clone();
 }
 
 }  // namespace
@@ -119,7 +128,7 @@ BlurEstimate SpectralPsf::Estimate(const cv::Mat& grey, const cv::Rect& region) 
   const cv::Rect seen = region & cv::Rect({0, 0}, grey.size());
   if (seen.width < kMinSide || seen.height < kMinSide) return {};
   PowerSpectrum spectrum(options_.window_px);
-  spectrum.Add(Laplacian(grey(seen)));
+  spectrum.Add(options_.light ? LaplacianOfLight(grey(seen)) : Laplacian(grey(seen)));
   return Estimate(spectrum);
 }
 

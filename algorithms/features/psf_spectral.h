@@ -21,6 +21,7 @@ struct SpectralOptions {
   double max_extent_px = 60;     ///< Longest blur considered.
   double verdict_px = 6;         ///< Shorter blurs are left alone.
   double min_confidence = 0.5;   ///< For the verdict "blurred".
+  bool light = false;            ///< Of light (light_response.h) and not of grey values.
 
   /// @throws BadOption naming field, value and what is permitted.
   void Check() const;
@@ -35,6 +36,7 @@ void VisitFields(Visitor& visit, SpectralOptions& o) {
   visit("max_extent_px", o.max_extent_px, Between(8, 250), "longest blur considered");
   visit("verdict_px", o.verdict_px, Between(0, 250), "shorter blurs are left alone");
   visit("min_confidence", o.min_confidence, Between(0, 1), "for the verdict blurred");
+  visit("light", o.light, Nested(), "the spectrum of light, and not of grey values");
 }
 
 /// Confidence is LineSpectra::Agreement: 0.7 to 0.95 with clear blur, below 0.5 without. Needs 64 x 64 px.

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <functional>
@@ -32,6 +33,9 @@ template <class Visitor>
 void VisitFields(Visitor& visit, BlurEstimationOptions& o) {
   visit("frames", o.frames, Between(1, 100000), "frames of the walk at each exposure time");
 }
+
+/// Estimators of one blur for the whole image, by the image alone.
+constexpr std::array kImageAlone = {"whitening", "spectral", "spectral_light"};
 
 std::vector<std::string> Photographs() {
   return {"aero1.jpg",    "aloeL.jpg",     "baboon.jpg",     "board.jpg",        "box_in_scene.png",
@@ -76,7 +80,7 @@ std::string PhotographRows(bool linear_light, cv::Size size, int directions) {
   std::string rows =
       "| estimator | extent | noise | ≤ 1°, ≤ 0.5 px | ≤ 5°, ≤ 2 px | median error | called blurred |\n"
       "|---|---|---|---|---|---|---|\n";
-  for (const char* name : {"whitening", "spectral"}) {
+  for (const char* name : kImageAlone) {
     const auto psf = MakePsfEstimator(name);
     for (const double extent : {0.0, 3.0, 6.0, 10.0, 20.0, 30.0, 40.0}) {
       for (const double noise : {0.0, 2.0, 5.0}) {
@@ -159,26 +163,26 @@ class WalkTable {
       group.alarms[name] += blurred;
     };
     add("0 no blur assumed", Uniform({}), false);
-    for (const char* name : {"whitening", "spectral"}) {
-      const auto psf = MakePsfEstimator(name);
-      const BlurEstimate e = Timed(name, [&] { return psf->EstimateWhole(grey); });
-      add((name[0] == 'w' ? "1 " : "2 ") + std::string(name), Uniform(e), e.blurred);
+    for (size_t i = 0; i < kImageAlone.size(); ++i) {
+      const auto psf = MakePsfEstimator(kImageAlone[i]);
+      const BlurEstimate e = Timed(kImageAlone[i], [&] { return psf->EstimateWhole(grey); });
+      add(fmt::format("{} {}", i + 1, kImageAlone[i]), Uniform(e), e.blurred);
     }
     const auto clusters = Timed("K-means", [&] { return SegmentBlur(grey); });
-    add("3 K-means, K = 2", OfRegions(clusters), AnyBlurred(clusters));
+    add("4 K-means, K = 2", OfRegions(clusters), AnyBlurred(clusters));
     BlurFieldOptions options;
     const BlurField affine = Timed("field", [&] { return EstimateBlurField(grey, options); });
-    add("4 field, focal length unknown", At(affine), AnyBlurred(DivideByBlur(affine, grey.size(), options)));
+    add("5 field, focal length unknown", At(affine), AnyBlurred(DivideByBlur(affine, grey.size(), options)));
     options.focal_px = calibration.camera.fx;
     const BlurField field = EstimateBlurField(grey, options);
     const std::vector<BlurRegion> regions = DivideByBlur(field, grey.size(), options);
-    add("5 field", At(field), AnyBlurred(regions));
-    add("6 field, its regions", OfRegions(regions), AnyBlurred(regions));
+    add("6 field", At(field), AnyBlurred(regions));
+    add("7 field, its regions", OfRegions(regions), AnyBlurred(regions));
     const int64_t half_ns = int64_t(frame.observation.exposure_ms * 0.5e6);
     const InertialPsf inertial(frame.observation.imu, calibration.imu, calibration.camera,
                                frame.observation.stamp_ns - half_ns, frame.observation.stamp_ns + half_ns);
     add(
-        "7 inertial",
+        "8 inertial",
         [&](int x, int y) {
           return inertial.BlurVector({double(x), double(y)});
         },

@@ -342,6 +342,12 @@ Features MobifDiscards(const cv::Mat& image, int max_features) {
   return DetectFeatures(*MakeMobif(options), image, max_features);
 }
 
+Features MobifOfLight(const cv::Mat& image, int max_features) {
+  MobifOptions options;
+  options.psf = "spectral_light";
+  return DetectFeatures(*MakeMobif(options), image, max_features);
+}
+
 Features MobifAdaptAll(const cv::Mat& image, int max_features) {
   MobifAdaptOptions options;
   options.discard_low_entropy = false;
@@ -350,8 +356,10 @@ Features MobifAdaptAll(const cv::Mat& image, int max_features) {
 
 /// Detectors of this experiment alone.
 const std::map<std::string, Features (*)(const cv::Mat& image, int max_features)>& OwnDetectors() {
-  static const std::map<std::string, Features (*)(const cv::Mat&, int)> own{
-      {"mobif_adapt_all", MobifAdaptAll}, {"mobif_discards", MobifDiscards}, {"sift_single", SiftSingle}};
+  static const std::map<std::string, Features (*)(const cv::Mat&, int)> own{{"mobif_adapt_all", MobifAdaptAll},
+                                                                            {"mobif_discards", MobifDiscards},
+                                                                            {"mobif_of_light", MobifOfLight},
+                                                                            {"sift_single", SiftSingle}};
   return own;
 }
 

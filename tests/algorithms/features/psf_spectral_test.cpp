@@ -18,8 +18,9 @@ struct Count {
 };
 
 /// Good: 1 degree and 0.5 px; close: 5 degrees and 2 px.
-Count EstimateAll(const std::vector<double>& extents, double noise, bool linear_light, cv::Size size = {640, 480}) {
-  const SpectralPsf psf;
+Count EstimateAll(const std::vector<double>& extents, double noise, bool linear_light, cv::Size size = {640, 480},
+                  const SpectralOptions& options = {}) {
+  const SpectralPsf psf(options);
   Count count;
   RandomStream random(7, "directions");
   for (const std::string& name : PhotographNames()) {
@@ -58,6 +59,13 @@ TEST(SpectralPsf, HoldsForLightAddedBeforeGamma) {
   // The zeros are those of the linear image; gamma fills them a little, but does not move them.
   const Count count = EstimateAll({10, 20, 30}, 1, true);
   EXPECT_GE(count.close, 0.95 * count.all);
+}
+
+TEST(SpectralPsf, IsRightMoreOftenInTheValuesThatTheBlurAveraged) {
+  SpectralOptions of_light;
+  of_light.light = true;
+  EXPECT_GT(EstimateAll({6, 10}, 0, true, {640, 480}, of_light).good, EstimateAll({6, 10}, 0, true).good);
+  EXPECT_LT(EstimateAll({6, 10}, 0, false, {640, 480}, of_light).good, EstimateAll({6, 10}, 0, false).good);
 }
 
 TEST(SpectralPsf, LeavesSharpImagesAlone) {
