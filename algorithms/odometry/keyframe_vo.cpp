@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <optional>
 #include <utility>
 
@@ -14,13 +13,13 @@
 #include "algorithms/features/psf_inertial.h"
 #include "algorithms/geometry/gyro_turn.h"
 #include "algorithms/geometry/shutter_turn.h"
-#include "algorithms/geometry/up_direction.h"
 #include "algorithms/odometry/floor_prior.h"
 #include "algorithms/odometry/frame_records.h"
 #include "algorithms/odometry/fused_rotations.h"
 #include "algorithms/odometry/keyframe_map.h"
+#include "algorithms/odometry/late_frames.h"
 #include "algorithms/odometry/mean_velocity.h"
-#include "algorithms/odometry/metric_scale.h"
+#include "algorithms/odometry/metric_answers.h"
 #include "algorithms/odometry/sharp_frames.h"
 
 namespace gaitcam {
@@ -49,9 +48,6 @@ int MaxFeatures(const KeyframeVoOptions& o, const CameraModel& camera) {
   return int(std::lround(kUsual * std::max(1.0, share)));
 }
 
-/// Short, so that the gyroscope's unknown bias tilts little; what accelerations do to it, the mean over frames removes.
-constexpr double kGravityTime_s = 0.5;
-
 constexpr int64_t kKeepImu_ns = 100'000'000;  // more than half an exposure, and than a period of the gyroscope
 
 }  // namespace
@@ -65,11 +61,11 @@ class KeyframeVo::Tracker {
         max_features_(MaxFeatures(options, camera_)),
         detector_(MakeFeature2d(options.feature, options.sensitivity)),
         random_(seed, "frame_to_frame_vo"),  // an old name: with another all results would be other samples
-        random_of_backlog_(seed, "backlog"),
         initializer_(camera_, options.initializer),
         localizer_(camera_.fx, options.initializer.matching.ratio, options.localizer),
         policy_(options.policy, options.localizer.min_inliers),
-        map_(MapOptions(options)) {
+        map_(MapOptions(options)),
+        late_(localizer_, map_, records_, seed) {
     if (options.metric && calibration.standing) metric_.emplace(calibration);
     const bool unrolls = options.shutter_by_imu && calibration.readout_ms > 0;
     if ((options.use_imu || options.blur_by_imu || unrolls) && calibration.imu.rate_hz > 0)
@@ -80,69 +76,30 @@ class KeyframeVo::Tracker {
   }
 
   FrameEstimate Track(const Observation& observation) {
-    if (metric_) metric_->up_C.Add(observation.imu);
+    if (metric_) metric_->Add(observation.imu);
     if (gyro_) gyro_->Add(observation.imu);
     if (fused_) fused_->Begin(observation);
     FrameEstimate answer = Answer(observation);
     records_.Add(answer, map_);
     if (fused_ && answer.pose) answer.pose->rotation = *fused_->Present();
     if (gyro_) gyro_->DropBefore((last_ ? last_->stamp_ns : observation.stamp_ns) - kKeepImu_ns);
-    if (HasMap() && !waiting_.empty()) BeginBacklog(observation.stamp_ns);
-    LocalizeOneOfBacklog();
-    return metric_ ? InMetres(answer) : answer;
+    if (HasMap() && late_.HasWaiting())
+      late_.BeginBacklog({observation.stamp_ns, last_->pose}, median_depth_, double(inliers_.size()));
+    late_.LocalizeOne();
+    return metric_ ? metric_->InMetres(answer, HasMap()) : answer;
   }
   std::vector<FrameEstimate> Finish() {
-    LocalizeBacklog();
-    std::vector<FrameEstimate> frames =
-        records_.Finish(map_, metric_ ? metric_->scale.Smoothed() : std::vector<double>());
+    late_.LocalizeAll();
+    std::vector<FrameEstimate> frames = records_.Finish(map_, metric_ ? metric_->Smoothed() : std::vector<double>());
     if (fused_) fused_->Smooth(frames);
     return frames;
   }
 
  private:
-  /// A frame that has no pose in the map yet.
-  struct PendingFrame {
-    size_t record = 0;  ///< Index in records_.
-    FrameView view;
-    int64_t stamp_ns = 0;
-  };
-
   /// How the camera turned between two instants, by the gyroscope.
   struct Turned {
     int64_t since_ns = 0, until_ns = 0;
     Eigen::Quaterniond rotation;  ///< Maps directions of the camera at the end into it at the beginning.
-  };
-
-  /// Frames before a map's first pose, localised from the latest back to the first.
-  struct Backlog {
-    std::vector<PendingFrame> frames;  ///< In time order: the last one is next.
-    StampedPose next_to;               ///< The pose found last, of the frame after it.
-    double median_depth = 1, expected_inliers = 0;
-    size_t present = 0, first = 0;  ///< Records of the map's first pose, and of the first frame that got one.
-  };
-  /// A frame between two that have poses.
-  struct MissedFrame {
-    PendingFrame frame;
-    StampedPose before, after;
-    double median_depth = 1, expected_inliers = 0;
-  };
-
-  /// What makes metres of the map's unit, where it is known how high the camera stands.
-  struct Metric {
-    explicit Metric(const Calibration& calibration)
-        : up_C(calibration.imu, calibration.standing->up_C, kGravityTime_s), scale(calibration.standing->height_m) {}
-
-    UpDirection up_C;
-    CarriedMean carried;
-    MetricScale scale;
-
-    double factor = 1;                     ///< By which the last pose's motion was multiplied.
-    bool is_known = false;                 ///< It was measured, in the present map.
-    std::optional<int64_t> held_since_ns;  ///< The first frame of the present map whose pose was not handed over.
-    bool out_of_patience = false;          ///< Poses are handed over whatever their unit.
-    bool restarts = false;                 ///< One of those began the map.
-    /// The last position handed over, in the map's unit and in metres.
-    Eigen::Vector3d at = Eigen::Vector3d::Zero(), at_m = Eigen::Vector3d::Zero();
   };
 
   bool HasMap() const { return map_.LatestKeyframe() >= 0; }
@@ -154,7 +111,7 @@ class KeyframeVo::Tracker {
     return localizer_.PredictPosition(last_->pose.translation + velocity_.Advance(apart_ns), apart_ns, median_depth_);
   }
 
-  std::optional<Eigen::Vector3d> UpNow() const { return metric_ ? std::optional(metric_->up_C.up_C()) : std::nullopt; }
+  std::optional<Eigen::Vector3d> UpNow() const { return metric_ ? std::optional(metric_->up_C()) : std::nullopt; }
 
   FrameEstimate Answer(const Observation& observation);
   BlurAwareFeature& BlurAware(const std::string& option) const;
@@ -169,24 +126,15 @@ class KeyframeVo::Tracker {
   bool Localize(FrameView& view, const Observation& observation);
   void Extend(FrameView& view, int64_t stamp_ns);
   void AddKeyframe(FrameView& view, int64_t stamp_ns);
-  void Postpone(const FrameView& view, int64_t stamp_ns);
-  void QueueMissed(const FrameView& view, int64_t stamp_ns);
-  void BeginBacklog(int64_t stamp_ns);
-  void LocalizeOneOfBacklog();
-  void LocalizeBacklog();
-  void LocalizeWaiting();
-  void LocalizeMissed();
   void GiveUpMap();
-  void FollowGravity(const Pose& X_WC, int64_t stamp_ns);
-  FrameEstimate InMetres(FrameEstimate answer);
 
   Calibration calibration_;
   CameraModel camera_;
   KeyframeVoOptions options_;
   int max_features_;  ///< Of a frame.
   cv::Ptr<cv::Feature2D> detector_;
-  BlurAwareFeature* blur_aware_ = nullptr;   ///< The same, where it is to be told of blur.
-  RandomStream random_, random_of_backlog_;  ///< What is found later changes nothing of what is found at once.
+  BlurAwareFeature* blur_aware_ = nullptr;  ///< The same, where it is to be told of blur.
+  RandomStream random_;
 
   MapInitializer initializer_;
   LandmarkLocalizer localizer_;
@@ -194,7 +142,8 @@ class KeyframeVo::Tracker {
   KeyframeMap map_;
   FloorPrior floor_;
   FrameRecords records_;
-  std::optional<Metric> metric_;
+  LateFrames late_;
+  std::optional<MetricAnswers> metric_;  ///< Where it is known how high the camera stands.
   std::optional<GyroTurn> gyro_;         ///< Where it is asked for and there is one.
   std::optional<Turned> turned_;         ///< Since the initialiser's reference, as far as it was measured.
   std::optional<FusedRotations> fused_;  ///< With use_imu.
@@ -210,10 +159,6 @@ class KeyframeVo::Tracker {
   int lost_frames_ = 0;                 ///< Frames in a row that could not be localised in the map.
   bool is_restart_due_ = false;         ///< A map was given up: the next pose is in another.
   Pose X_WR_;                           ///< Of the initialiser's reference.
-  std::vector<PendingFrame> waiting_;   ///< Since the initialiser's reference, while there is no map.
-  std::vector<PendingFrame> missed_;    ///< Since the last frame that was localised in the map.
-  Backlog backlog_;                     ///< What waited for the present map.
-  std::deque<MissedFrame> found_late_;  ///< Missed ones, now between two poses.
 };
 
 FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
@@ -235,7 +180,7 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
     answer.status = had_map ? TrackingStatus::kLost : TrackingStatus::kInitializing;
     if (had_map) answer.predicted = PredictPose(answer.stamp_ns);
     if (fused_) fused_->Add({}, false);
-    Postpone(view, answer.stamp_ns);
+    had_map ? late_.Miss(view, answer.stamp_ns) : late_.Wait(view, answer.stamp_ns);
     if (had_map && ++lost_frames_ > options_.max_lost_frames) GiveUpMap();
     return answer;
   }
@@ -263,7 +208,7 @@ FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
 bool KeyframeVo::Tracker::Initialize(FrameView& view, int64_t stamp_ns, std::optional<Pose>& predicted) {
   const MapInitializer::Result result = initializer_.Add(view, UpNow(), TurnSinceReference(stamp_ns), random_);
   if (result == MapInitializer::Result::kReference) {
-    waiting_.clear();
+    late_.DropWaiting();
     X_WR_ = expected_;
     turned_ = {stamp_ns, stamp_ns, Eigen::Quaterniond::Identity()};
   }
@@ -279,7 +224,7 @@ bool KeyframeVo::Tracker::Initialize(FrameView& view, int64_t stamp_ns, std::opt
   reference.X_WC = X_WR_;
   view.X_WC = X_WR_ * Pose(pair.X_AB.rotation, unit * pair.X_AB.translation);
   map_.AddKeyframe(reference, {}, median_depth_, DepthPriors());  // landmark i is the reference's feature i
-  if (metric_) metric_->scale.Add({}, true);
+  if (metric_) metric_->BeginMap();
   for (size_t i = 0; i < pair.matches.size(); ++i) {
     if (pair.depths[i]) map_.SetDepth(pair.matches[i].landmark, 1 / (unit * *pair.depths[i]));
   }
@@ -373,9 +318,9 @@ void KeyframeVo::Tracker::Extend(FrameView& view, int64_t stamp_ns) {
     AddKeyframe(view, stamp_ns);
   } else {
     map_.Refresh(view, inliers_);
-    if (metric_) FollowGravity(view.X_WC, stamp_ns);
+    if (metric_) metric_->Follow(view.X_WC, stamp_ns);
   }
-  QueueMissed(view, stamp_ns);
+  late_.QueueMissed(*last_, {stamp_ns, view.X_WC}, median_depth_, policy_.mean_inliers());
 }
 
 /// In the map.
@@ -399,126 +344,22 @@ void KeyframeVo::Tracker::AddKeyframe(FrameView& view, int64_t stamp_ns) {
   median_depth_ = map_.MedianDepth(view.X_WC, median_depth_);
   policy_.OnKeyframe(int(inliers_.size()));
   if (metric_) {
-    FollowGravity(view.X_WC, stamp_ns);
-    const auto measured = MeasureCarriedHeight(map_, metric_->carried.mean());
-    metric_->scale.Add(measured, false);
-    if (options_.use_floor) floor_.Update(map_, view.X_WC, metric_->carried.mean(), measured);
+    metric_->Follow(view.X_WC, stamp_ns);
+    const auto measured = metric_->AddKeyframe(map_);
+    if (options_.use_floor) floor_.Update(map_, view.X_WC, metric_->carried(), measured);
   } else if (options_.use_floor) {
     floor_.Update(map_, view.X_WC, random_);
   }
 }
 
-void KeyframeVo::Tracker::Postpone(const FrameView& view, int64_t stamp_ns) {
-  constexpr size_t kMaxFrames = 60;  // their features take memory
-  std::vector<PendingFrame>& pending = HasMap() ? missed_ : waiting_;
-  if (pending.size() < kMaxFrames) pending.push_back({records_.size(), view, stamp_ns});
-}
-
-/// Those that waited for the map can be localised in it now.
-void KeyframeVo::Tracker::BeginBacklog(int64_t stamp_ns) {
-  const size_t present = records_.size() - 1;
-  backlog_ = {std::move(waiting_), {stamp_ns, last_->pose}, median_depth_, double(inliers_.size()), present, present};
-  waiting_.clear();
-}
-
-/// Those that were missed lie between the last pose and this one.
-void KeyframeVo::Tracker::QueueMissed(const FrameView& view, int64_t stamp_ns) {
-  for (PendingFrame& frame : missed_) {
-    found_late_.push_back(
-        {std::move(frame), *last_, {stamp_ns, view.X_WC}, median_depth_, double(policy_.mean_inliers())});
-  }
-  missed_.clear();
-}
-
-/// For the final estimate alone; one with every frame, so that none takes much longer than others.
-void KeyframeVo::Tracker::LocalizeOneOfBacklog() {
-  if (!found_late_.empty()) {
-    LocalizeMissed();
-  } else if (!backlog_.frames.empty()) {
-    LocalizeWaiting();
-  }
-}
-
-void KeyframeVo::Tracker::LocalizeBacklog() {
-  while (!found_late_.empty() || !backlog_.frames.empty()) LocalizeOneOfBacklog();
-}
-
-void KeyframeVo::Tracker::LocalizeWaiting() {
-  const PendingFrame frame = std::move(backlog_.frames.back());
-  backlog_.frames.pop_back();
-  PosePrediction prediction;
-  prediction.X_WC = backlog_.next_to.pose;
-  prediction.expected_inliers = backlog_.expected_inliers;
-  prediction.prior = localizer_.PredictPosition(prediction.X_WC.translation, backlog_.next_to.stamp_ns - frame.stamp_ns,
-                                                backlog_.median_depth);
-  const auto localized = localizer_.LocalizeWithNoise(map_, frame.view, prediction, 1, random_of_backlog_);
-  if (localized && LandmarkLocalizer::IsWithinReach(*prediction.prior, localized->X_WC)) {
-    backlog_.next_to = {frame.stamp_ns, localized->X_WC};
-    backlog_.first = frame.record;
-    records_.SetPose(frame.record, *localized, map_);
-  }
-  if (backlog_.frames.empty()) records_.MoveRestart(backlog_.present, backlog_.first);
-}
-
-void KeyframeVo::Tracker::LocalizeMissed() {
-  const MissedFrame missed = std::move(found_late_.front());
-  found_late_.pop_front();
-  const auto localized =
-      localizer_.LocalizeBetween(map_, missed.frame.view, missed.frame.stamp_ns, missed.before, missed.after,
-                                 missed.median_depth, missed.expected_inliers, random_of_backlog_);
-  if (localized) records_.SetPose(missed.frame.record, *localized, map_);
-}
-
 void KeyframeVo::Tracker::GiveUpMap() {
-  LocalizeBacklog();
+  late_.LocalizeAll();
   map_.Clear();
   floor_.Clear();
-  missed_.clear();
+  late_.DropMissed();
   initializer_.Reset();
   is_restart_due_ = true;
-  if (!metric_) return;
-  metric_->carried.Restart();
-  metric_->held_since_ns.reset();
-  metric_->out_of_patience = metric_->is_known = false;
-}
-
-/// In W the vertical stands still, but for the drift of the poses' rotations.
-void KeyframeVo::Tracker::FollowGravity(const Pose& X_WC, int64_t stamp_ns) {
-  metric_->carried.Add(stamp_ns, X_WC.rotation * metric_->up_C.up_C(), X_WC.translation);
-}
-
-/// A map whose unit is not known yet is still being started, for a while: with no floor in view it never will be.
-FrameEstimate KeyframeVo::Tracker::InMetres(FrameEstimate answer) {
-  constexpr int64_t kPatience_ns = 2'000'000'000;
-  Metric& metric = *metric_;
-  const std::optional<double> factor = HasMap() ? metric.scale.latest() : std::nullopt;
-  if (answer.pose && !metric.held_since_ns) metric.held_since_ns = answer.stamp_ns;
-  metric.out_of_patience |= answer.pose && answer.stamp_ns - *metric.held_since_ns >= kPatience_ns;
-  const bool hold_back = answer.pose && !factor && !metric.out_of_patience;
-  if (answer.pose && !hold_back) {
-    answer.restarted |= metric.restarts || (factor && !metric.is_known && metric.out_of_patience);
-    metric.restarts = false;
-    metric.is_known = factor.has_value();
-    metric.factor = factor.value_or(metric.factor);
-  }
-  const auto in_metres = [&](const Pose& X_WC) {
-    return Pose(X_WC.rotation, metric.at_m + metric.factor * (X_WC.translation - metric.at));
-  };
-  if (hold_back) {
-    metric.restarts |= answer.restarted;
-    answer.status = TrackingStatus::kInitializing;
-    answer.restarted = false;
-    answer.predicted = Pose(answer.pose->rotation, metric.at_m);
-    answer.pose.reset();
-  } else if (answer.pose) {
-    const Eigen::Vector3d position = answer.pose->translation;
-    answer.pose = in_metres(*answer.pose);
-    metric.at = position;
-    metric.at_m = answer.pose->translation;
-  } else if (answer.predicted) {
-    answer.predicted = in_metres(*answer.predicted);
-  }
-  return answer;
+  if (metric_) metric_->GiveUpMap();
 }
 
 KeyframeVoOptions KeyframeVoOptions::WithFeature(const std::string& feature, double sensitivity) {

@@ -27,7 +27,7 @@ TEST(SharpFrames, AboutAThirdOfAStepIsSharp) {
     if (i < 20) continue;
     sharp += is_sharp;
     sharpest += is_sharp && blurs[i] < 0.3;
-    if (blurs[i] > 1.3) EXPECT_FALSE(is_sharp) << i;
+    EXPECT_FALSE(is_sharp && blurs[i] > 1.3) << i;
   }
   EXPECT_NEAR(sharp, 35, 10) << "of 100";
   EXPECT_EQ(sharpest, 20) << "two a step";
