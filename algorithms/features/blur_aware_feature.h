@@ -12,6 +12,13 @@
 
 namespace gaitcam {
 
+/// What a detector does with saddle points of the Hessian's determinant, corners between blobs.
+enum class SaddleUse {
+  kByStrength,  ///< They are features as blobs are.
+  kAfterBlobs,  ///< They are features, each held to be weaker than all blobs.
+  kNone,
+};
+
 class BlurAwareFeature : public cv::Feature2D {
  public:
   /// Uses this as the whole image's blur from now on, with confidence 1; nullopt: estimate it again.
@@ -22,6 +29,8 @@ class BlurAwareFeature : public cv::Feature2D {
   /// Images with a shorter blur are taken as they are from now on; of a length that no image has: all of them.
   /// @throws BadOption of a detector that has no such limit.
   virtual void SetMinBlur(double extent_px);
+  /// Of the images to come; nothing changes for a detector that has no saddle points.
+  virtual void SetSaddleUse(SaddleUse) {}
 
   /// OpenCV's entry. Keypoints cannot be handed in (cv::Exception): they would have to come from the same scale space.
   /// @param image CV_8UC1 or CV_8UC3 (BGR); an empty one has no features.

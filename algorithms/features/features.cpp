@@ -88,7 +88,7 @@ std::vector<Entry> AllFeatures() {
       {{"harris", "Harris corners (1988) of one scale, described as SIFT does"}, MakeHarris},
       {{"mobif", "restores, adapts or leaves alone, by how the image is blurred"}, MakeMobifQuality},
       {{"mobif_adapt", "MoBIF, second approach (thesis, section 5.3): adapted scale space"}, MakeThesisAdapt},
-      {{"mobif_blobs", "mobif without saddle points: fewer points, for odometry"}, MakeMobifBlobs},
+      {{"mobif_blobs", "mobif without saddle points: fewer points"}, MakeMobifBlobs},
       {{"mobif_fast", "mobif in less time, with fewer points"}, MakeMobifFast},
       {{"mobif_path", "mobif that also finds bent and uneven blur; a second or two more"}, MakeMobifPath},
       {{"mobif_restore", "MoBIF, first approach (thesis, section 5.2): restored image"}, MakeThesisRestore},

@@ -23,6 +23,7 @@ class Mobif : public BlurAwareFeature {
 
   int descriptorSize() const override { return SiftLength(options_.sift); }
   void SetMinBlur(double extent_px) override { options_.min_extent_px = extent_px; }
+  void SetSaddleUse(SaddleUse use) override { saddle_use_ = use; }
 
  private:
   Features Extract(const cv::Mat& grey, int most) override {
@@ -33,7 +34,9 @@ class Mobif : public BlurAwareFeature {
     const double density = sharp ? options_.sharp_points_per_megapixel : options_.points_per_megapixel;
     HessianOptions hessian = options_.hessian;
     hessian.max_points = std::min(hessian.max_points, int(density * 1e-6 * double(grey.total())) + 1);
-    const std::vector<ScalePoint> points = DetectHessian(space, hessian);
+    hessian.saddles = hessian.saddles && saddle_use_ != SaddleUse::kNone;
+    std::vector<ScalePoint> points = DetectHessian(space, hessian);
+    if (saddle_use_ == SaddleUse::kAfterBlobs) WeakenSaddles(points, float(hessian.threshold));
     if (!options_.discard_low_entropy) return DescribeSift(space, points, options_.sift, most);
     return DiscardLowEntropy(DescribeSift(space, points, options_.sift));
   }
@@ -57,6 +60,15 @@ class Mobif : public BlurAwareFeature {
     const PathEstimate found = EstimatePath(grey, line.blur);
     if (found.straight || found.confidence < options_.path_confidence) return {whole, line};
     return {whole, {found.path.Chord(), found.confidence, true}, found.path};
+  }
+
+  /// @param threshold that all points exceed: no saddle point does afterwards
+  static void WeakenSaddles(std::vector<ScalePoint>& points, float threshold) {
+    float strongest = threshold;
+    for (const ScalePoint& point : points)
+      if (point.kind == PointKind::kSaddle) strongest = std::max(strongest, point.response);
+    for (ScalePoint& point : points)
+      if (point.kind == PointKind::kSaddle) point.response *= threshold / (2 * strongest);
   }
 
   /// As it is, adapted or restored.
@@ -91,6 +103,7 @@ class Mobif : public BlurAwareFeature {
   }
 
   MobifOptions options_;
+  SaddleUse saddle_use_ = SaddleUse::kByStrength;
   std::unique_ptr<PsfEstimator> psf_;
   AdaptedSigmaCache adapted_sigma_;  // the same values in whatever order they are asked for
 };

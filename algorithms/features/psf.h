@@ -1,8 +1,8 @@
 /// Estimators of an image's point spread function, behind one interface.
 ///
 /// Three use the image alone and are made by name: "whitening" (the thesis, section 5.2.1), "spectral" and
-/// "spectral_light". Two use other data and are constructed from these: InertialPsf (psf_inertial.h) from gyroscope readings, OraclePsf
-/// (psf_oracle.h) from the ground truth, for experiments.
+/// "spectral_light". Two use other data and are constructed from these: InertialPsf (psf_inertial.h) from gyroscope
+/// readings, OraclePsf (psf_oracle.h) from the ground truth, for experiments.
 
 #pragma once
 

@@ -6,13 +6,17 @@
 
 namespace gaitcam {
 
-FrameView ViewFrame(const cv::Mat& image, const CameraModel& camera, cv::Feature2D& detector, int max_features,
-                    const FeatureNoise& noise) {
+void CheckImageSize(const cv::Mat& image, const CameraModel& camera) {
   if (image.cols != camera.width_px || image.rows != camera.height_px) {
     throw BadInput("the frame has " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
                    " pixels, but the calibration says " + std::to_string(camera.width_px) + " x " +
                    std::to_string(camera.height_px));
   }
+}
+
+FrameView ViewFrame(const cv::Mat& image, const CameraModel& camera, cv::Feature2D& detector, int max_features,
+                    const FeatureNoise& noise) {
+  CheckImageSize(image, camera);
   FrameView view;
   view.features = DetectFeatures(detector, image, max_features);
   for (const cv::KeyPoint& keypoint : view.features.keypoints) {

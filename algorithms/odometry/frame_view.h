@@ -27,6 +27,9 @@ struct FeatureNoise {
   double sigma_per_size = 0;  ///< What each px of a keypoint's diameter adds.
 };
 
+/// @throws BadInput if the image's size is not the camera's
+void CheckImageSize(const cv::Mat& image, const CameraModel& camera);
+
 /// Detects, describes and undistorts.
 /// @throws BadInput if the image's size is not the camera's
 FrameView ViewFrame(const cv::Mat& image, const CameraModel& camera, cv::Feature2D& detector, int max_features,

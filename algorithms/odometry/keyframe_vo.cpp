@@ -60,6 +60,7 @@ class KeyframeVo::Tracker {
         options_(options),
         max_features_(MaxFeatures(options, camera_)),
         detector_(MakeFeature2d(options.feature, options.sensitivity)),
+        blur_aware_(dynamic_cast<BlurAwareFeature*>(detector_.get())),
         random_(seed, "frame_to_frame_vo"),  // an old name: with another all results would be other samples
         initializer_(camera_, options.initializer),
         localizer_(camera_.fx, options.initializer.matching.ratio, options.localizer),
@@ -71,8 +72,8 @@ class KeyframeVo::Tracker {
     if ((options.use_imu || options.blur_by_imu || unrolls) && calibration.imu.rate_hz > 0)
       gyro_.emplace(calibration.imu);
     if (options.use_imu && gyro_) fused_.emplace(calibration.imu);
-    if (options.min_blur_px > 0) BlurAware("min_blur_px").SetMinBlur(options.min_blur_px);
-    if (options.blur_by_imu) blur_aware_ = &ToldBlurBy(calibration);
+    CheckBlurOptions();
+    if (options.min_blur_px > 0) blur_aware_->SetMinBlur(options.min_blur_px);
   }
 
   FrameEstimate Track(const Observation& observation) {
@@ -114,8 +115,8 @@ class KeyframeVo::Tracker {
   std::optional<Eigen::Vector3d> UpNow() const { return metric_ ? std::optional(metric_->up_C()) : std::nullopt; }
 
   FrameEstimate Answer(const Observation& observation);
-  BlurAwareFeature& BlurAware(const std::string& option) const;
-  BlurAwareFeature& ToldBlurBy(const Calibration& calibration) const;
+  void CheckBlurOptions() const;
+  int ChooseSaddles(const Observation& observation);
   void TellBlur(const Observation& observation);
   void Unroll(int64_t stamp_ns, FrameView& view) const;
   void HoldRotation(FrameView& view, int64_t stamp_ns);
@@ -133,7 +134,7 @@ class KeyframeVo::Tracker {
   KeyframeVoOptions options_;
   int max_features_;  ///< Of a frame.
   cv::Ptr<cv::Feature2D> detector_;
-  BlurAwareFeature* blur_aware_ = nullptr;  ///< The same, where it is to be told of blur.
+  BlurAwareFeature* blur_aware_;  ///< The same, where it accounts for blur.
   RandomStream random_;
 
   MapInitializer initializer_;
@@ -149,7 +150,8 @@ class KeyframeVo::Tracker {
   std::optional<FusedRotations> fused_;  ///< With use_imu.
 
   SharpFrames sharp_{0.1};  // grain and what comes into view change the detail of frames that are equally sharp
-  bool is_sharp_ = true;    ///< The present frame is among the sharper ones.
+  ClearWalk clear_;
+  bool is_sharp_ = true;                ///< The present frame is among the sharper ones.
   std::vector<LandmarkMatch> inliers_;  ///< Of the present frame.
   int matches_ = 0;                     ///< Likewise; 0 where there was no map yet.
   MeanVelocity velocity_;               ///< In the present map.
@@ -164,11 +166,11 @@ class KeyframeVo::Tracker {
 FrameEstimate KeyframeVo::Tracker::Answer(const Observation& observation) {
   FrameEstimate answer;
   answer.stamp_ns = observation.stamp_ns;
-  if (blur_aware_) TellBlur(observation);
-  FrameView view = ViewFrame(observation.image.pixels, camera_, *detector_, max_features_,
+  CheckImageSize(observation.image.pixels, camera_);
+  if (options_.blur_by_imu) TellBlur(observation);
+  FrameView view = ViewFrame(observation.image.pixels, camera_, *detector_, ChooseSaddles(observation),
                              {options_.localizer.sigma_px, options_.localizer.sigma_per_size});
   if (options_.shutter_by_imu && gyro_ && calibration_.readout_ms > 0) Unroll(observation.stamp_ns, view);
-  is_sharp_ = sharp_.Add(-FineDetail(observation.image.pixels));
   answer.features = view.features.size();
   inliers_.clear();
   matches_ = 0;
@@ -276,19 +278,29 @@ void KeyframeVo::Tracker::LearnBias(const Pose& X_WC, int64_t stamp_ns) {
   gyro_->LearnBias(LogSo3(R_NL * ExpSo3(*turn)), 1e-9 * double(stamp_ns - last_->stamp_ns), kSigma_rad);
 }
 
-/// The detector, for an option that only one that accounts for blur has. @throws BadOption naming the option.
-BlurAwareFeature& KeyframeVo::Tracker::BlurAware(const std::string& option) const {
-  auto* const detector = dynamic_cast<BlurAwareFeature*>(detector_.get());
-  if (detector == nullptr) throw BadOption(option + ": " + options_.feature + " does not account for blur");
-  return *detector;
+/// @throws BadOption for options that this detector, camera or IMU has no use for.
+void KeyframeVo::Tracker::CheckBlurOptions() const {
+  for (const auto& [option, is_set] :
+       {std::pair("min_blur_px", options_.min_blur_px > 0), std::pair("blur_by_imu", options_.blur_by_imu)})
+    if (is_set && !blur_aware_)
+      throw BadOption(std::string(option) + ": " + options_.feature + " does not account for blur");
+  if (!options_.blur_by_imu) return;
+  if (calibration_.readout_ms > 0) throw BadOption("blur_by_imu: needs a global shutter, this one rolls");
+  if (!gyro_) throw BadOption("blur_by_imu: needs a gyroscope");
 }
 
-/// The detector that the gyroscope is to tell of blur. @throws BadOption where it cannot be told.
-BlurAwareFeature& KeyframeVo::Tracker::ToldBlurBy(const Calibration& calibration) const {
-  BlurAwareFeature& detector = BlurAware("blur_by_imu");
-  if (calibration.readout_ms > 0) throw BadOption("blur_by_imu: needs a global shutter, this one rolls");
-  if (!gyro_) throw BadOption("blur_by_imu: needs a gyroscope");
-  return detector;
+/// Judges the present frame's blur by its detail, and tells the detector what to do with saddle points.
+/// @returns how many features the frame may have.
+int KeyframeVo::Tracker::ChooseSaddles(const Observation& observation) {
+  constexpr double kWithSaddles = 1.4375;  // so many that saddle points find room beside the usual number of blobs
+  const double detail = FineDetail(observation.image.pixels);
+  is_sharp_ = sharp_.Add(-detail);
+  const bool is_clear = clear_.Add(detail, HasMap());
+  if (!blur_aware_) return max_features_;
+  const bool further = options_.saddles == SaddleTime::kClear && is_clear;
+  const bool always = options_.saddles == SaddleTime::kAlways;
+  blur_aware_->SetSaddleUse(further ? SaddleUse::kAfterBlobs : always ? SaddleUse::kByStrength : SaddleUse::kNone);
+  return further ? int(kWithSaddles * max_features_) : max_features_;
 }
 
 /// Of the present frame's exposure; nothing where the gyroscope did not measure all of it.

@@ -38,10 +38,21 @@
 
 namespace gaitcam {
 
+/// When the saddle points of a detector that has them are features.
+enum class SaddleTime {
+  kClear,   ///< As further ones, while the walk hardly blurs its images (ClearWalk).
+  kAlways,  ///< As blobs are, by their strength.
+  kNever,
+};
+constexpr auto WordsOf(SaddleTime) {
+  return std::array{EnumWord{SaddleTime::kClear, "clear"}, EnumWord{SaddleTime::kAlways, "always"},
+                    EnumWord{SaddleTime::kNever, "never"}};
+}
+
 struct KeyframeVoOptions {
   using DescribedTag = void;
 
-  std::string feature = "mobif_blobs";  ///< Detector by name (algorithms/features/features.h).
+  std::string feature = "mobif";  ///< Detector by name (algorithms/features/features.h).
   /// Strongest features kept per frame; 0: 800 of 320 x 240 px and less, of larger images more in proportion to their
   /// area (results/studies/odometry_resolution: 800 of 640 x 480 px are too few).
   int max_features = 0;
@@ -61,6 +72,9 @@ struct KeyframeVoOptions {
   /// Each frame's rotation by its image and the gyroscope together (FusedRotations), whose bias is learned; with it
   /// landmarks are searched for and the position is found. Without a gyroscope nothing changes.
   bool use_imu = false;
+  /// Of MoBIF. Their places agree between images that are hardly blurred, and disagree where blur is strong
+  /// (results/studies/odometry_lab_loop); there are a third as many as blobs.
+  SaddleTime saddles = SaddleTime::kClear;
   /// A detector that accounts for blur takes images with less as they are; 0: its own limit. BadOption where it has
   /// none.
   double min_blur_px = 0;
@@ -97,6 +111,9 @@ void VisitFields(Visitor& visit, KeyframeVoOptions& o) {
   visit("memory", o.memory, Between(1, 100000), "keyframes until an unseen landmark is removed");
   visit("use_floor", o.use_floor, Nested(), "depths and scale by the camera's height over the floor");
   visit("use_imu", o.use_imu, Nested(), "rotations by image and gyroscope together");
+  visit(
+      "saddles", o.saddles, Nested(),
+      "when MoBIF's saddle points are features: as further ones while images are hardly blurred, as blobs are, never");
   visit("min_blur_px", o.min_blur_px, AtLeast(0),
         "a detector that accounts for blur takes images with less as they are; 0: its own limit");
   visit("blur_by_imu", o.blur_by_imu, Nested(),

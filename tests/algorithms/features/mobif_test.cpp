@@ -157,6 +157,27 @@ TEST(Mobif, ABlurBelowTheLimitIsLeftAlone) {
   EXPECT_THROW(MakeMobifAdapt()->SetMinBlur(10), BadOption);
 }
 
+TEST(Mobif, SaddlePointsComeAfterBlobsOrNotAtAll) {
+  const cv::Mat image = Film(0).sharp;
+  const cv::Ptr<BlurAwareFeature> detector = MakeMobif(MobifOptions());
+  const auto strongest = [&](SaddleUse use, int most) {
+    detector->SetSaddleUse(use);
+    return DetectFeatures(*detector, image, most);
+  };
+  const auto same = [](const Features& a, const Features& b, int rows) {
+    return cv::norm(a.descriptors.rowRange(0, rows), b.descriptors.rowRange(0, rows), cv::NORM_INF) == 0;
+  };
+  const Features blobs = DetectFeatures(*MakeMobif(MobifBlobsOptions()), image, 100);
+  ASSERT_EQ(blobs.size(), 100);
+  EXPECT_TRUE(same(strongest(SaddleUse::kAfterBlobs, 100), blobs, 100));
+  EXPECT_TRUE(same(strongest(SaddleUse::kNone, 100), blobs, 100));
+  EXPECT_FALSE(same(strongest(SaddleUse::kByStrength, 100), blobs, 100)) << "the strongest are of both kinds";
+  const int all_blobs = strongest(SaddleUse::kNone, 100000).size();
+  const int all = strongest(SaddleUse::kAfterBlobs, 100000).size();
+  EXPECT_GT(all, 1.2 * all_blobs);
+  EXPECT_EQ(strongest(SaddleUse::kByStrength, 100000).size(), all);
+}
+
 TEST(Mobif, RegionsThatShareABlurAreAboutOneImage) {
   const Views views = Film(18);
   const int w = views.blurred.cols, h = views.blurred.rows;

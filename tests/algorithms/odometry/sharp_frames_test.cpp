@@ -53,5 +53,55 @@ TEST(FineDetail, FallsAsAnImageIsBlurredWhateverItsMeanBrightness) {
   }
 }
 
+/// Detail of a walk's frames, three a step, the sharpest of 10; it stands still for the first second.
+std::vector<double> Details(double shaken, double between) {
+  std::vector<double> details(10, 10.0);
+  for (int i = 0; i < 60; ++i) details.push_back(i % 3 == 0 ? 10 : i % 3 == 1 ? shaken : between);
+  return details;
+}
+
+/// How many of the frames are said to be clear, of those from the 13th with a map on, if a map is there from a frame
+/// on.
+double ClearPart(const std::vector<double>& details, size_t map_from) {
+  ClearWalk walk;
+  int clear = 0;
+  for (size_t i = 0; i < details.size(); ++i) {
+    const bool is_clear = walk.Add(details[i], i >= map_from);
+    EXPECT_FALSE(is_clear && i < map_from + 11) << i << ": too early to say";
+    clear += is_clear;
+  }
+  return double(clear) / double(details.size() - map_from - 11);
+}
+
+TEST(ClearWalk, IsTheOneThatTakesLittleDetailAway) {
+  EXPECT_EQ(ClearPart(Details(4, 8), 20), 1);
+  EXPECT_EQ(ClearPart(Details(3, 5), 20), 0);
+  EXPECT_EQ(ClearPart(std::vector<double>(70, 10.0), 20), 1) << "a film without blur";
+  EXPECT_EQ(ClearPart(std::vector<double>(70, 0.0), 20), 0) << "of nothing";
+}
+
+TEST(ClearWalk, DoesNotWaverBetweenItsLimits) {
+  ClearWalk walk;
+  const auto add = [&](double typical) {
+    bool is_clear = false;
+    for (int i = 0; i < 12; ++i) is_clear = walk.Add(i % 4 == 0 ? 10 : typical, true);
+    return is_clear;
+  };
+  EXPECT_FALSE(add(6.8)) << "never clear yet";
+  EXPECT_TRUE(add(8));
+  EXPECT_TRUE(add(6.8));
+  EXPECT_FALSE(add(5));
+  EXPECT_FALSE(add(6.8));
+}
+
+TEST(ClearWalk, BeginsAnewWithEachMap) {
+  ClearWalk walk;
+  for (int i = 0; i < 12; ++i) walk.Add(10, true);
+  EXPECT_TRUE(walk.Add(10, true));
+  EXPECT_FALSE(walk.Add(10, false));
+  for (int i = 0; i < 11; ++i) EXPECT_FALSE(walk.Add(10, true)) << i;
+  EXPECT_TRUE(walk.Add(10, true));
+}
+
 }  // namespace
 }  // namespace gaitcam
