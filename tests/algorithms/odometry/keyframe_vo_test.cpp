@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -501,6 +502,33 @@ TEST(KeyframeVo, LargerImagesKeepMoreFeaturesUnlessTheirNumberIsGiven) {
   EXPECT_LE(features(1, 0), 800);
   EXPECT_GT(features(2, 0), 3 * features(1, 0));
   EXPECT_EQ(features(2, 500), 500);
+}
+
+TEST(KeyframeVo, SaddlePointsAreFurtherFeaturesWhileThereIsAMapAndLittleBlur) {
+  constexpr int kMost = 200;
+  const auto features_of = [&](SaddleTime saddles, bool is_shaken) {
+    KeyframeVoOptions options = KeyframeVoOptions::WithFeature("mobif", 100);
+    options.max_features = kMost;
+    options.saddles = saddles;
+    KeyframeVo vo(OneCamera(), options, 1);
+    std::vector<int> features;
+    int with_map = 0;  // frames
+    for (Observation frame : SidewaysFilm().frames) {
+      cv::Mat& pixels = frame.image.pixels;
+      pixels = pixels.clone();  // the film is shared
+      if (is_shaken && with_map % 3 != 0) cv::GaussianBlur(pixels, pixels, {}, 1.5);
+      const FrameEstimate answer = vo.Track(frame);
+      with_map += answer.pose.has_value();
+      features.push_back(answer.features);
+      EXPECT_LE(answer.features, with_map < 12 ? kMost : 2 * kMost);
+    }
+    EXPECT_GE(with_map, 20);
+    return *std::ranges::max_element(features);
+  };
+  EXPECT_GT(features_of(SaddleTime::kClear, false), 1.2 * kMost);
+  EXPECT_EQ(features_of(SaddleTime::kClear, true), kMost);
+  EXPECT_EQ(features_of(SaddleTime::kAlways, false), kMost);
+  EXPECT_EQ(features_of(SaddleTime::kNever, false), kMost);
 }
 
 TEST(KeyframeVo, NoiseInitialisesNoMap) {
