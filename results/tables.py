@@ -29,7 +29,7 @@ from pathlib import Path
 
 import yaml
 
-MARK = re.compile(r"^<!-- table (\{.*\}) -->$")
+MARK = re.compile(r"^<!-- *table\b(.*)-->$")
 PART = re.compile(r"([\w.]+)=(\{.*?\}+|[^,]*)(?:, |$)")
 KEYS = {"show", "rows", "columns", "where", "than", "decimals", "from"}
 
@@ -105,7 +105,7 @@ class Rows:
 
 
 def cells(rows, spec):
-    """The cells of a table, a list for each of its rows."""
+    """What values of the axes of rows make each row (none, if rows are metrics), and its cells."""
     runs = rows.of({axis: str(value) for axis, value in spec.get("where", {}).items()})
     down, across = as_list(spec.get("rows")), as_list(spec.get("columns"))
     shown = [(name, float(factor or 1)) for name, _, factor in (text.partition("*") for text in as_list(spec["show"]))]
@@ -125,22 +125,39 @@ def cells(rows, spec):
     rows_shown = [key for key in rows.keys(runs, down) if key != (str(spec.get("than")),)]
     columns_shown = rows.keys(runs, across)
     if not down:
-        return [[cell((), column, *metric) for column in columns_shown] for metric in shown]
-    return [[cell(row, column, *metric) for metric in shown for column in columns_shown] for row in rows_shown]
+        return [((), [cell((), column, *metric) for column in columns_shown]) for metric in shown]
+    return [(row, [cell(row, column, *metric) for metric in shown for column in columns_shown]) for row in rows_shown]
+
+
+def read_mark(text):
+    """The mapping of a comment before a table."""
+    try:
+        spec = yaml.safe_load(text)
+    except yaml.YAMLError:
+        spec = None
+    if not isinstance(spec, dict) or "show" not in spec:
+        raise DoesNotFit("a table needs a mapping with the key show, as {show: coverage_ratio, rows: system}")
+    if unknown := set(spec) - KEYS:
+        raise DoesNotFit(f"no such key: {', '.join(sorted(unknown))}; there are {', '.join(sorted(KEYS))}")
+    return spec
 
 
 def filled(table, spec, folder):
     """A table's lines with its cells filled."""
-    if unknown := set(spec) - KEYS:
-        raise DoesNotFit(f"no such key: {', '.join(sorted(unknown))}; there are {', '.join(sorted(KEYS))}")
     head, body = table[:2], table[2:]
     new = cells(Rows(folder / spec.get("from", "runs.csv")), spec)
     if len(new) != len(body):
         raise DoesNotFit(f"the table has {len(body)} rows, and the runs make {len(new)}")
-    labels = head[0].count("|") - 1 - (len(new[0]) if new else 0)
+    labels = head[0].count("|") - 1 - (len(new[0][1]) if new else 0)
     if labels < 1:
-        raise DoesNotFit(f"the table has {head[0].count('|') - 2} columns of figures, and the runs make {len(new[0])}")
-    return head + ["|".join(line.split("|")[: labels + 1]) + "| " + " | ".join(row) + " |" for line, row in zip(body, new)]
+        raise DoesNotFit(f"the table has {head[0].count('|') - 2} columns of figures, and the runs make {len(new[0][1])}")
+    values = {value for key, _ in new for value in key}
+    for line, (key, _) in zip(body, new):
+        for label in (cell.strip(" `") for cell in line.split("|")[1 : labels + 1]):
+            if label in values and label not in key:
+                raise DoesNotFit(f"the row of {label} stands where the runs have {', '.join(key)}")
+    start = ["|".join(line.split("|")[: labels + 1]) for line in body]
+    return head + [f"{labels}| {' | '.join(row)} |" for labels, (_, row) in zip(start, new)]
 
 
 def fill(page):
@@ -148,12 +165,12 @@ def fill(page):
     lines, at = page.read_text().split("\n"), 0
     while at < len(lines):
         if found := MARK.match(lines[at]):
-            begin = at + 1 + (lines[at + 1] == "")
+            begin = at + 1 + (lines[at + 1 : at + 2] == [""])
             end = begin
             while end < len(lines) and lines[end].startswith("|"):
                 end += 1
             try:
-                lines[begin:end] = filled(lines[begin:end], yaml.safe_load(found[1]), page.parent)
+                lines[begin:end] = filled(lines[begin:end], read_mark(found[1]), page.parent)
             except (DoesNotFit, OSError) as error:
                 raise DoesNotFit(f"{page}:{at + 1}: {error}") from error
         at += 1

@@ -94,6 +94,7 @@ class TablesTest(unittest.TestCase):
             ("rows: system, columns: exposure, where: {exposure: 30}", "has exposure 30"),
             ("rows: [system, exposure]", "the table has 2 rows, and the runs make 4"),
             ("rows: system, colums: exposure", "no such key: colums"),
+            ("rows: system, columns: [exposure", "needs a mapping"),
         ):
             spec = mistake if "show" in mistake else "show: error_m, " + mistake
             spec = spec if "rows" in spec else spec + ", rows: system, columns: exposure"
@@ -102,6 +103,12 @@ class TablesTest(unittest.TestCase):
             self.assertEqual((code, page), (2, text), mistake)
             self.assertRegex(message, r"^tables\.py: .*README\.md:1: .*" + said)
             self.assertEqual(message.count("\n"), 1)
+
+    def test_a_row_that_stands_where_the_runs_have_another_is_refused(self):
+        exchanged = BY_EXPOSURE.replace("ours", "their").replace("theirs", "ours").replace("their ", "theirs ")
+        code, said, page = self.run_on(exchanged)
+        self.assertEqual((code, page), (2, exchanged))
+        self.assertIn("the row of theirs stands where the runs have ours", said)
 
     def test_figures_have_two_digits_that_count_and_no_minus_before_nothing(self):
         shown = {123.4: "123", 9.96: "10", 9.94: "9.9", 0.0456: "0.046", 0.998: "1.0", -1.26: "-1.3", 3.0: "3", 0.5: "0.5", 0.0: "0"}
