@@ -276,7 +276,8 @@ TEST(ExperimentCommand, NamesWhatDiffersFromTheDefaultsAndNoUsersFolder) {
     }
     const std::string command = ExperimentCommand(entry, *experiment);
     EXPECT_THAT(command, testing::Not(HasSubstr("/home"))) << entry.name;
-    EXPECT_EQ(command == "gaitcam experiment features data b --kernels", entry.name == "features") << command;
+    EXPECT_EQ(command == "gaitcam experiment features data b --walk-alone --kernels", entry.name == "features")
+        << command;
   }
 }
 
