@@ -92,7 +92,8 @@ TrueMap MapOfHomography(const Eigen::Matrix3d& H_ba);
 
 /// Every registered detector, and those of this experiment alone, sorted: `sift_single` is OpenCV's SIFT without the
 /// points of its doubled octave; `mobif_of_light` looks for blur in light and not in grey values; of `mobif_discards`
-/// features of low entropy are discarded (thesis, 5.3.2), of `mobif_adapt_all` none. @param registered_alone leaves out the latter.
+/// features of low entropy are discarded (thesis, 5.3.2), of `mobif_adapt_all` none. @param registered_alone leaves out
+/// the latter.
 std::vector<std::string> ExperimentDetectors(bool registered_alone = false);
 
 struct FeatureExperimentOptions {
