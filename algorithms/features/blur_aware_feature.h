@@ -29,7 +29,7 @@ class BlurAwareFeature : public cv::Feature2D {
   /// Images with a shorter blur are taken as they are from now on; of a length that no image has: all of them.
   /// @throws BadOption of a detector that has no such limit.
   virtual void SetMinBlur(double extent_px);
-  /// Of the images to come; nothing changes for a detector that has no saddle points.
+  /// Of the images to come, kByStrength until it is said; nothing changes for a detector that has no saddle points.
   virtual void SetSaddleUse(SaddleUse) {}
 
   /// OpenCV's entry. Keypoints cannot be handed in (cv::Exception): they would have to come from the same scale space.

@@ -74,7 +74,7 @@ void VisitFields(Visitor& visit, MobifOptions& o) {
 }
 
 /// Options without saddle points of the Hessian's determinant: fewer points, whose positions odometries can use
-/// better where images are strongly blurred (results/studies/odometry_lab_loop).
+/// better where images are strongly blurred (results/studies/saddle_points).
 MobifOptions MobifBlobsOptions();
 /// Options that cost about half as much: fewer points of a blurred image.
 MobifOptions MobifFastOptions();

@@ -72,8 +72,8 @@ struct KeyframeVoOptions {
   /// Each frame's rotation by its image and the gyroscope together (FusedRotations), whose bias is learned; with it
   /// landmarks are searched for and the position is found. Without a gyroscope nothing changes.
   bool use_imu = false;
-  /// Of MoBIF. Their places agree between images that are hardly blurred, and disagree where blur is strong
-  /// (results/studies/odometry_lab_loop); there are a third as many as blobs.
+  /// Of MoBIF. With them a map is better where images are hardly blurred, and worse where blur is strong
+  /// (results/studies/saddle_points). As further features they are kept beyond max_features, 44 % of it at most.
   SaddleTime saddles = SaddleTime::kClear;
   /// A detector that accounts for blur takes images with less as they are; 0: its own limit. BadOption where it has
   /// none.

@@ -22,7 +22,7 @@ class SharpFrames {
   std::deque<double> blurs_;
 };
 
-/// Whether a walk blurs its images so little that points are found at the same place in all of them. The share of
+/// Whether a walk blurs its images little. The share of
 /// detail that blur leaves is the median of twelve frames' FineDetail over the most that one of them has, whatever they
 /// show: 0.8 on brisk walks with 2 to 3 px of blur, 0.6 with 7, 0.4 to 0.5 with 13 and more (KHR-1HV, 10 frames/s).
 class ClearWalk {
