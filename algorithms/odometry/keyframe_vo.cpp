@@ -295,7 +295,7 @@ int KeyframeVo::Tracker::ChooseSaddles(const Observation& observation) {
   constexpr double kWithSaddles = 1.4375;  // so many that saddle points find room beside the usual number of blobs
   const double detail = FineDetail(observation.image.pixels);
   is_sharp_ = sharp_.Add(-detail);
-  const bool is_clear = clear_.Add(detail, HasMap());
+  const bool is_clear = clear_.Add(observation.stamp_ns, detail, HasMap());
   if (!blur_aware_) return max_features_;
   const bool further = options_.saddles == SaddleTime::kClear && is_clear;
   const bool always = options_.saddles == SaddleTime::kAlways;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
 
 #include "algorithms/core/median.h"
@@ -23,14 +24,23 @@ bool SharpFrames::Add(double blur) {
   return double(sharper) <= kSharpShare * double(blurs_.size());
 }
 
-bool ClearWalk::Add(double detail, bool has_map) {
+bool ClearWalk::Add(int64_t stamp_ns, double detail, bool has_map) {
+  constexpr int64_t kWindow_ns = 1'100'000'000;  // twelve frames at 10 frames/s, some three steps
+  constexpr size_t kFewest = 6;
   constexpr double kClear = 0.74, kBlurred = 0.62;
-  details_.push_back(detail);
-  if (details_.size() > kStepFrames) details_.pop_front();
-  if (!has_map) details_.clear();
-  if (details_.size() < kStepFrames) return is_clear_ = false;
-  const double most = *std::ranges::max_element(details_);
-  const double share = most > 0 ? UpperMedian(std::vector(details_.begin(), details_.end())) / most : 0;
+  if (!has_map) {
+    frames_.clear();
+    map_since_ns_.reset();
+    return is_clear_ = false;
+  }
+  if (!map_since_ns_) map_since_ns_ = stamp_ns;
+  frames_.push_back({stamp_ns, detail});
+  while (stamp_ns - frames_.front().stamp_ns > kWindow_ns) frames_.pop_front();
+  if (stamp_ns - *map_since_ns_ < kWindow_ns || frames_.size() < kFewest) return is_clear_ = false;
+  std::vector<double> details;
+  for (const Frame& frame : frames_) details.push_back(frame.detail);
+  const double most = *std::ranges::max_element(details);
+  const double share = most > 0 ? UpperMedian(std::move(details)) / most : 0;
   return is_clear_ = share > kClear || (is_clear_ && share >= kBlurred);
 }
 

@@ -3,8 +3,10 @@
 
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <opencv2/core.hpp>
+#include <optional>
 
 namespace gaitcam {
 
@@ -22,18 +24,23 @@ class SharpFrames {
   std::deque<double> blurs_;
 };
 
-/// Whether a walk blurs its images little. The share of
-/// detail that blur leaves is the median of twelve frames' FineDetail over the most that one of them has, whatever they
-/// show: 0.8 on brisk walks with 2 to 3 px of blur, 0.6 with 7, 0.4 to 0.5 with 13 and more (KHR-1HV, 10 frames/s).
+/// Whether a walk blurs its images little. The share of detail that blur leaves is the median of 1.1 s of frames'
+/// FineDetail over the most that one of them has, whatever they show: 0.8 on brisk walks with 2 to 3 px of blur, 0.6
+/// with 7, 0.4 to 0.5 with 13 and more (KHR-1HV, 10 frames/s).
 class ClearWalk {
  public:
   /// The next frame. @param detail FineDetail. @param has_map of landmarks: before, a camera may stand still
-  /// @returns whether there were twelve frames with a map and the share rose above 0.74, and has not fallen below 0.62
+  /// @returns whether there has been a map for 1.1 s and the share rose above 0.74, and has not fallen below 0.62
   /// since.
-  bool Add(double detail, bool has_map);
+  bool Add(int64_t stamp_ns, double detail, bool has_map);
 
  private:
-  std::deque<double> details_;  ///< With a map.
+  struct Frame {
+    int64_t stamp_ns;
+    double detail;
+  };
+  std::deque<Frame> frames_;             ///< With a map, of the last 1.1 s.
+  std::optional<int64_t> map_since_ns_;  ///< Stamp of the first of them; nothing without a map.
   bool is_clear_ = false;
 };
 

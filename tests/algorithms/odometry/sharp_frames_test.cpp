@@ -53,6 +53,8 @@ TEST(FineDetail, FallsAsAnImageIsBlurredWhateverItsMeanBrightness) {
   }
 }
 
+constexpr int64_t kTenth_ns = 100'000'000;
+
 /// Detail of a walk's frames, three a step, the sharpest of 10; it stands still for the first second.
 std::vector<double> Details(double shaken, double between) {
   std::vector<double> details(10, 10.0);
@@ -60,13 +62,13 @@ std::vector<double> Details(double shaken, double between) {
   return details;
 }
 
-/// How many of the frames are said to be clear, of those from the 13th with a map on, if a map is there from a frame
-/// on.
+/// How many of the frames, ten a second, are said to be clear, of those from the twelfth with a map on, if a map is
+/// there from a frame on.
 double ClearPart(const std::vector<double>& details, size_t map_from) {
   ClearWalk walk;
   int clear = 0;
   for (size_t i = 0; i < details.size(); ++i) {
-    const bool is_clear = walk.Add(details[i], i >= map_from);
+    const bool is_clear = walk.Add(int64_t(i) * kTenth_ns, details[i], i >= map_from);
     EXPECT_FALSE(is_clear && i < map_from + 11) << i << ": too early to say";
     clear += is_clear;
   }
@@ -82,9 +84,10 @@ TEST(ClearWalk, IsTheOneThatTakesLittleDetailAway) {
 
 TEST(ClearWalk, DoesNotWaverBetweenItsLimits) {
   ClearWalk walk;
+  int64_t stamp_ns = 0;
   const auto add = [&](double typical) {
     bool is_clear = false;
-    for (int i = 0; i < 12; ++i) is_clear = walk.Add(i % 4 == 0 ? 10 : typical, true);
+    for (int i = 0; i < 12; ++i) is_clear = walk.Add(stamp_ns += kTenth_ns, i % 4 == 0 ? 10 : typical, true);
     return is_clear;
   };
   EXPECT_FALSE(add(6.8)) << "never clear yet";
@@ -96,11 +99,28 @@ TEST(ClearWalk, DoesNotWaverBetweenItsLimits) {
 
 TEST(ClearWalk, BeginsAnewWithEachMap) {
   ClearWalk walk;
-  for (int i = 0; i < 12; ++i) walk.Add(10, true);
-  EXPECT_TRUE(walk.Add(10, true));
-  EXPECT_FALSE(walk.Add(10, false));
-  for (int i = 0; i < 11; ++i) EXPECT_FALSE(walk.Add(10, true)) << i;
-  EXPECT_TRUE(walk.Add(10, true));
+  int64_t stamp_ns = 0;
+  const auto add = [&](bool has_map) { return walk.Add(stamp_ns += kTenth_ns, 10, has_map); };
+  for (int i = 0; i < 12; ++i) add(true);
+  EXPECT_TRUE(add(true));
+  EXPECT_FALSE(add(false));
+  for (int i = 0; i < 11; ++i) EXPECT_FALSE(add(true)) << i;
+  EXPECT_TRUE(add(true));
+}
+
+/// Of each step of 0.5 s the camera is shaken for 0.4 s, then for 0.1 s: 0.3 s of frames may show shaken ones alone.
+TEST(ClearWalk, SaysTheSameAtEachFrameRate) {
+  constexpr int64_t kStep_ms = 500, kBefore_ms = 1200;
+  for (const int64_t frame_ms : {100, 25, 10}) {
+    for (const int64_t still_ms : {100, 400}) {
+      ClearWalk walk;
+      for (int64_t time_ms = 0; time_ms < 10'000; time_ms += frame_ms) {
+        const double detail = time_ms % kStep_ms < still_ms ? 10 : 5;
+        const bool is_clear = walk.Add(time_ms * 1'000'000, detail, true);
+        if (time_ms > kBefore_ms) EXPECT_EQ(is_clear, still_ms == 400) << frame_ms << " ms, " << time_ms << " ms";
+      }
+    }
+  }
 }
 
 }  // namespace
