@@ -19,10 +19,11 @@ struct FamilyLimits {
 };
 
 /// Looks five times a second at a process and its family (process_list.h), and kills all of them once they have more
-/// memory in use, or are more, than they may. The kernel's own limits of memory are of one process, and of what it
-/// reserves, not uses: sanitizers and drivers of graphics cards reserve terabytes. Those of processes are of a user,
-/// and not of root. Memory that is shared, of other programs' or with files of a folder in memory behind it, does not
-/// count; what a fork left in common counts for each that has it.
+/// memory in use, or are more, than they may; at once where the machine has so many more processes, which are stopped
+/// while they are counted. The kernel's own limits of memory are of one process, and of what it reserves, not uses:
+/// sanitizers and drivers of graphics cards reserve terabytes. Those of processes are of a user, and not of root.
+/// Memory that is shared, of other programs' or with files of a folder in memory behind it, does not count; what a fork
+/// left in common counts for each that has it.
 class FamilyWatch {
  public:
   /// @param mark what the environment of the family's processes holds
@@ -38,6 +39,7 @@ class FamilyWatch {
  private:
   void Watch();
   std::string OffenceNow() const;
+  void SignalGroups(int signal) const;
   void KillAll() const;
 
   pid_t root_;

@@ -26,37 +26,42 @@ std::string TextOf(const fs::path& path) {
   return text;
 }
 
-/// What each process has in a file of its folder in /proc; empty where it may not be read.
-std::map<pid_t, std::string> FilesOfProcesses(const char* file_name) {
-  std::map<pid_t, std::string> files;
+/// Of each process, its parent.
+std::map<pid_t, pid_t> Parents() {
+  std::map<pid_t, pid_t> parents;
   std::error_code ignored;
   for (fs::directory_iterator entry("/proc", ignored), end; entry != end; entry.increment(ignored)) {
     const std::string name = entry->path().filename().string();
     pid_t pid = 0;
     if (std::from_chars(name.data(), name.data() + name.size(), pid).ec != std::errc()) continue;
-    files[pid] = TextOf(entry->path() / file_name);
-  }
-  return files;
-}
-
-std::map<pid_t, pid_t> Parents() {
-  std::map<pid_t, pid_t> parents;
-  for (const auto& [pid, text] : FilesOfProcesses("stat")) {
-    const size_t name_end = text.rfind(')');  // "pid (name) state parent ..."
+    const std::string text = TextOf(entry->path() / "stat");  // "pid (name) state parent ..."
+    const size_t name_end = text.rfind(')');
     int parent = 0;
-    if (name_end != std::string::npos && std::sscanf(text.c_str() + name_end, ") %*c %d", &parent) == 1) {
+    if (name_end != std::string::npos && std::sscanf(text.c_str() + name_end, ") %*c %d", &parent) == 1)
       parents[pid] = parent;
-    }
   }
   return parents;
+}
+
+void AddDescendants(const std::map<pid_t, pid_t>& parents, std::set<pid_t>& family) {
+  for (size_t before = 0; before != family.size();) {
+    before = family.size();
+    for (const auto& [pid, parent] : parents) {
+      if (family.count(parent) != 0) family.insert(pid);
+    }
+  }
+}
+
+bool IsMarked(pid_t pid, const std::string& mark) {
+  return TextOf("/proc/" + std::to_string(pid) + "/environ").find(mark) != std::string::npos;
 }
 
 }  // namespace
 
 std::vector<pid_t> Marked(const std::string& mark) {
   std::vector<pid_t> found;
-  for (const auto& [pid, environment] : FilesOfProcesses("environ")) {
-    if (environment.find(mark) != std::string::npos) found.push_back(pid);
+  for (const auto& [pid, parent] : Parents()) {
+    if (IsMarked(pid, mark)) found.push_back(pid);
   }
   return found;
 }
@@ -69,17 +74,28 @@ std::vector<pid_t> Children() {
   return found;
 }
 
+std::vector<pid_t> ChildrenOf(pid_t parent) {
+  const std::string number = std::to_string(parent);
+  std::ifstream file("/proc/" + number + "/task/" + number + "/children");
+  std::vector<pid_t> found;
+  for (pid_t child = 0; file >> child;) found.push_back(child);
+  return found;
+}
+
+size_t MachineTasks() {
+  size_t tasks = 0;
+  std::sscanf(TextOf("/proc/loadavg").c_str(), "%*s %*s %*s %*d/%zu", &tasks);
+  return tasks;
+}
+
 std::vector<pid_t> Family(pid_t root, const std::string& mark) {
-  const std::vector<pid_t> marked = Marked(mark);
-  std::set<pid_t> family(marked.begin(), marked.end());
-  family.insert(root);
   const std::map<pid_t, pid_t> parents = Parents();
-  for (size_t before = 0; before != family.size();) {
-    before = family.size();
-    for (const auto& [pid, parent] : parents) {
-      if (family.count(parent) != 0) family.insert(pid);
-    }
+  std::set<pid_t> family = {root};
+  AddDescendants(parents, family);
+  for (const auto& [pid, parent] : parents) {
+    if (family.count(pid) == 0 && IsMarked(pid, mark)) family.insert(pid);
   }
+  AddDescendants(parents, family);
   return {family.begin(), family.end()};
 }
 

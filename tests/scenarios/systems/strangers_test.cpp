@@ -221,6 +221,30 @@ TEST_F(Strangers, WhoStartsProcessesWithoutEndIsKilledWithAllOfThem) {
   EXPECT_FALSE(IsAnywhere(slam)) << "some still run";
 }
 
+class StrangersThatDouble : public Strangers, public testing::WithParamInterface<Misdeed> {};
+
+// Each child goes on as its parent does: while some are stopped, others are being made.
+TEST_P(StrangersThatDouble, AreKilledWithAllOfTheirProcesses) {
+  const std::string slam =
+      Program("slam.py", Answering("  if m['event'] == 'frame':\n"
+                                   "    until = time.time() + 6\n"
+                                   "    while time.time() < until:\n"
+                                   "      " +
+                                   GetParam().body +
+                                   "; time.sleep(0.01)\n"
+                                   "    os._exit(0)\n"
+                                   "  say({'status': 'lost'} if m['event'] == 'frame' else {})\n"));
+  EXPECT_EQ(FailureOf("{process: [" + slam + "], frame_limit_s: 20}"), GetParam().failure);
+  EXPECT_FALSE(IsAnywhere(slam)) << "some still run";
+}
+
+INSTANTIATE_TEST_SUITE_P(That, StrangersThatDouble,
+                         testing::Values(Misdeed{"Stay", "os.fork()",
+                                                 "at frame 1 it was killed: it started more than 500 processes"},
+                                         Misdeed{"Leave", "os.fork() == 0 and os.setsid()",
+                                                 "at frame 1 it was killed: it started more than 500 processes"}),
+                         kNameOfMisdeed);
+
 TEST_F(Strangers, WhatTheyMayHaveOfProcessesTheyGet) {
   const std::string slam =
       Program("slam.py", Answering("  if m['event'] == 'frame':\n"
