@@ -506,6 +506,7 @@ TEST(KeyframeVo, LargerImagesKeepMoreFeaturesUnlessTheirNumberIsGiven) {
 
 TEST(KeyframeVo, SaddlePointsAreFurtherFeaturesWhileThereIsAMapAndLittleBlur) {
   constexpr int kMost = 200;
+  constexpr int64_t kFrame_ns = 100'000'000;  // the film lasts long enough so
   const auto features_of = [&](SaddleTime saddles, bool is_shaken) {
     KeyframeVoOptions options = KeyframeVoOptions::WithFeature("mobif", 100);
     options.max_features = kMost;
@@ -516,6 +517,7 @@ TEST(KeyframeVo, SaddlePointsAreFurtherFeaturesWhileThereIsAMapAndLittleBlur) {
     for (Observation frame : SidewaysFilm().frames) {
       cv::Mat& pixels = frame.image.pixels;
       pixels = pixels.clone();  // the film is shared
+      frame.stamp_ns = int64_t(features.size()) * kFrame_ns;
       if (is_shaken && with_map % 3 != 0) cv::GaussianBlur(pixels, pixels, {}, 1.5);
       const FrameEstimate answer = vo.Track(frame);
       with_map += answer.pose.has_value();
