@@ -1,7 +1,15 @@
 #include "scenarios/code/systems/sandbox.h"
 
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/utsname.h>
+
+#include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstdlib>
+#include <thread>
+#include <utility>
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -61,9 +69,31 @@ std::vector<std::string> BubblewrapWords() {
   return words;
 }
 
+/// Whether limits of processes hold in a sandbox alone; before, they count all that the user runs.
+bool KernelCountsTasksPerNamespace() {
+  utsname kernel = {};
+  int major = 0, minor = 0;
+  if (uname(&kernel) != 0 || std::sscanf(kernel.release, "%d.%d", &major, &minor) != 2) return false;
+  return std::pair(major, minor) >= std::pair(5, 14);
+}
+
+/// The words before a program in a sandbox by which it has no more processes and threads than it may, however fast it
+/// starts them. They count for nothing where root runs it.
+std::vector<std::string> TaskLimitWords() {
+  // Numerical libraries start a thread for each processor, and several of them in one program do so each.
+  constexpr size_t kThreadsPerProcessor = 8;
+  const std::optional<fs::path> prlimit = FindProgram("prlimit");
+  rlimit ours = {};
+  if (!prlimit || !KernelCountsTasksPerNamespace() || getrlimit(RLIMIT_NPROC, &ours) != 0) return {};
+  const size_t threads = kThreadsPerProcessor * std::thread::hardware_concurrency();
+  const rlim_t tasks = kMaxForeignProcesses + std::max(kMaxForeignProcesses, threads);
+  return {prlimit->string(), fmt::format("--nproc={}", std::min(tasks, ours.rlim_cur))};
+}
+
 std::string TrySandbox() {
   if (!FindProgram("bwrap")) return "bubblewrap is not installed";
   std::vector<std::string> words = BubblewrapWords();
+  for (const std::string& word : TaskLimitWords()) words.push_back(word);
   words.emplace_back("true");
   Subprocess program(words, fs::path("/dev/null"));
   constexpr double kLimit_s = 10;
@@ -98,6 +128,8 @@ std::vector<std::string> Sandboxed(const std::vector<std::string>& command, cons
   for (const fs::path& path : view.readable) show("--ro-bind", path);
   for (const fs::path& path : view.writable) show("--bind", path);
   words.insert(words.end(), {"--chdir", view.folder.string(), "--"});
+  const std::vector<std::string> limit = TaskLimitWords();
+  words.insert(words.end(), limit.begin(), limit.end());
   words.insert(words.end(), command.begin(), command.end());
   return words;
 }

@@ -26,7 +26,8 @@ const std::string& WhyNoSandbox();
 Ending EndingIn(const Ending& ending);
 
 /// The words that run `command` in a sandbox: it sees /usr, /etc and the like read-only, an empty home and /tmp, the
-/// packages of the Python that it runs in, and `view`. It ends with us, and all that it started with it.
+/// packages of the Python that it runs in, and `view`. It ends with us, and all that it started with it. The kernel
+/// refuses it more than some 1,000 processes and threads, unless root runs it (Linux 5.14 or later).
 /// @param command its first word is a path.
 /// @pre WhyNoSandbox().empty().
 std::vector<std::string> Sandboxed(const std::vector<std::string>& command, const SandboxView& view);
