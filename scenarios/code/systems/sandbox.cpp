@@ -78,7 +78,7 @@ bool KernelCountsTasksPerNamespace() {
 }
 
 /// The words before a program in a sandbox by which it has no more processes and threads than it may, however fast it
-/// starts them. They count for nothing where root runs it.
+/// starts them. The limit has no effect where root runs it.
 std::vector<std::string> TaskLimitWords() {
   // Numerical libraries start a thread for each processor, and several of them in one program do so each.
   constexpr size_t kThreadsPerProcessor = 8;

@@ -251,7 +251,8 @@ INSTANTIATE_TEST_SUITE_P(That, StrangersThatDouble,
                                                  "at frame 1 it was killed: it started more than 500 processes"}),
                          kNameOfMisdeed);
 
-// What the watch cannot count in time the kernel refuses. It refuses root nothing: then another user is asked.
+// What the watch cannot count in time the kernel refuses. It refuses root nothing: then another user is asked. Without
+// a sandbox there is no limit to be seen.
 TEST_F(Strangers, TheKernelRefusesProcessesToASandboxLongBeforeTheMachineIsFull) {
   if (!WhyNoSandbox().empty()) GTEST_SKIP() << WhyNoSandbox();
   const std::string forks =
