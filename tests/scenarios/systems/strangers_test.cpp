@@ -263,7 +263,7 @@ TEST_F(Strangers, TheKernelRefusesProcessesToASandboxLongBeforeTheMachineIsFull)
   const std::string home = std::getenv("HOME") == nullptr ? "" : std::getenv("HOME");
   setenv("HOME", "/tmp", 1);  // root's own is of no use to another user
   std::vector<std::string> words = Sandboxed({"/usr/bin/python3", "-c", forks}, {{}, {}, "/tmp"});
-  setenv("HOME", home.c_str(), 1);
+  home.empty() ? unsetenv("HOME") : setenv("HOME", home.c_str(), 1);
   if (geteuid() == 0)
     words.insert(words.begin(), {"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "--"});
   const fs::path log = temporary_.path() / "log";
