@@ -123,7 +123,9 @@ class KeyframeVo::Tracker {
   void LearnBias(const Pose& X_WC, int64_t stamp_ns);
   bool Initialize(FrameView& view, int64_t stamp_ns, std::optional<Pose>& predicted);
   std::optional<KnownTurn> TurnSinceReference(int64_t stamp_ns);
+  std::optional<Eigen::Quaterniond> RotationByGyro(int64_t stamp_ns) const;
   Pose PredictPose(int64_t stamp_ns) const;
+  Pose BeginPose(int64_t stamp_ns) const;
   bool Localize(FrameView& view, const Observation& observation);
   void Extend(FrameView& view, int64_t stamp_ns);
   void AddKeyframe(FrameView& view, int64_t stamp_ns);
@@ -211,7 +213,7 @@ bool KeyframeVo::Tracker::Initialize(FrameView& view, int64_t stamp_ns, std::opt
   const MapInitializer::Result result = initializer_.Add(view, UpNow(), TurnSinceReference(stamp_ns), random_);
   if (result == MapInitializer::Result::kReference) {
     late_.DropWaiting();
-    X_WR_ = expected_;
+    X_WR_ = BeginPose(stamp_ns);
     turned_ = {stamp_ns, stamp_ns, Eigen::Quaterniond::Identity()};
   }
   if (result != MapInitializer::Result::kInitialized) {
@@ -251,16 +253,30 @@ std::optional<KnownTurn> KeyframeVo::Tracker::TurnSinceReference(int64_t stamp_n
   return KnownTurn{turned_->rotation, std::hypot(gyro_->bias_sigma() * seconds, BenchGyro::kMisaligned_rad * angle)};
 }
 
-/// The last pose, turned since as the gyroscope says.
+/// Of the present frame: the last pose's, turned since as the gyroscope says.
+/// @returns nothing where it did not measure. @pre there was a pose, and there is a gyroscope
+std::optional<Eigen::Quaterniond> KeyframeVo::Tracker::RotationByGyro(int64_t stamp_ns) const {
+  if (fused_) {
+    if (const auto rotation = fused_->Predicted()) return rotation;
+  }
+  const auto turn = gyro_->Between(last_->stamp_ns, stamp_ns);
+  if (!turn) return {};
+  return last_->pose.rotation * ExpSo3(*turn);
+}
+
+/// With a map: the last pose, turned since by the gyroscope if rotations are by it, too.
 Pose KeyframeVo::Tracker::PredictPose(int64_t stamp_ns) const {
   Pose prediction = last_->pose;
-  if (!fused_) return prediction;
-  if (const auto rotation = fused_->Predicted()) {
-    prediction.rotation = *rotation;
-  } else if (const auto turn = gyro_->Between(last_->stamp_ns, stamp_ns)) {
-    prediction.rotation = prediction.rotation * ExpSo3(*turn);
-  }
+  if (fused_) prediction.rotation = RotationByGyro(stamp_ns).value_or(prediction.rotation);
   return prediction;
+}
+
+/// Of a frame with which a map may begin: where the map before it ended, turned since as the gyroscope says. Without
+/// one a camera that turned while it saw nothing goes on in the direction in which it was lost.
+Pose KeyframeVo::Tracker::BeginPose(int64_t stamp_ns) const {
+  Pose begin = expected_;
+  if (last_ && gyro_) begin.rotation = RotationByGyro(stamp_ns).value_or(begin.rotation);
+  return begin;
 }
 
 /// Where a frame is blurred its image tells rotation and position badly apart; the gyroscope knows the rotation.

@@ -17,9 +17,10 @@
 /// frames, which leaves the direction of motion to noise; landmarks that live over many keyframes have a baseline.
 ///
 /// No loop closure, and no motion model but a camera that goes on about as it did. The world frame W is the reference
-/// frame's of the first map. The map's own unit is the median depth there. Where the calibration says how high the
-/// camera stands, poses are handed over in metres nevertheless: each motion is multiplied by what is known of the unit
-/// by then, so that a better estimate of it makes no jump.
+/// frame's of the first map. A later map begins where the one before was lost, turned since as the gyroscope says, if
+/// it is read (shutter_by_imu, use_imu, blur_by_imu). The map's own unit is the median depth there. Where the
+/// calibration says how high the camera stands, poses are handed over in metres nevertheless: each motion is multiplied
+/// by what is known of the unit by then, so that a better estimate of it makes no jump.
 
 #pragma once
 

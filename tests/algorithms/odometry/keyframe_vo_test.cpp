@@ -429,6 +429,64 @@ TEST(KeyframeVo, AGyroscopeSaysHowTheCameraTurnedWhereNothingIsSeen) {
   EXPECT_GT(*std::max_element(without.begin(), without.end()), 0.05) << "it takes the head as still";
 }
 
+/// Sideways, and from 1 to 1.4 s it turns to the wall behind.
+Pose TurningPose(double t_s) {
+  constexpr double kBegin_s = 1, kEnd_s = 1.4, kTurn_rad = 2.6;
+  const double done = std::clamp((t_s - kBegin_s) / (kEnd_s - kBegin_s), 0.0, 1.0);
+  return LookingForward({-0.5, -0.8 + 0.25 * t_s, 0.5}, kTurn_rad * (done - std::sin(2 * M_PI * done) / (2 * M_PI)),
+                        -0.3, 0);
+}
+
+struct ByGyro {
+  std::string name;
+  bool has_gyro, use_imu;
+};
+
+void PrintTo(const ByGyro& by, std::ostream* out) { *out << by.name; }
+
+/// By how much the rotation of the map after the turn is off that of the map before, rad.
+double MapsApart(const ByGyro& by) {
+  static const Film film = WithGyro(FilmPath(Room(), kCamera, 75, TurningPose, 5, 2), TurningPose);
+  Calibration calibration = by.has_gyro ? CameraAndGyro() : OneCamera();
+  calibration.readout_ms = 1e-3;  // the gyroscope is asked for where a shutter rolls, this one as good as not
+  KeyframeVoOptions options = Fast();
+  options.use_imu = by.use_imu;
+  options.max_lost_frames = 2;
+  KeyframeVo vo(calibration, options, 1);
+  std::optional<Eigen::Quaterniond> before, after;  // of the truth's world in the map's
+  int restarts = 0;
+  for (size_t i = 0; i < film.frames.size(); ++i) {
+    const double t_s = 1e-9 * double(film.frames[i].stamp_ns - 1'000'000'000);
+    const bool dark = t_s > 0.98 && t_s < 1.42;
+    Observation frame = dark ? Filled(film.frames[i], 0) : film.frames[i];
+    frame.imu = film.frames[i].imu;
+    const FrameEstimate answer = vo.Track(frame);
+    restarts += answer.restarted;
+    if (!answer.pose) continue;
+    (restarts > 0 ? after : before) = PoseAt(film.truth, frame.stamp_ns)->rotation * answer.pose->rotation.conjugate();
+  }
+  EXPECT_EQ(restarts, 1);
+  return before && after ? LogSo3(before->conjugate() * *after).norm() : -1;
+}
+
+class EveryGyro : public testing::TestWithParam<ByGyro> {};
+
+TEST_P(EveryGyro, TellsTheNextMapHowTheCameraTurnedSinceItWasLost) {
+  const double apart = MapsApart(GetParam());
+  ASSERT_GE(apart, 0) << "there are two maps";
+  if (GetParam().has_gyro) {
+    // Each map turns by some mrad by itself, and what is left of the bias adds 5 mrad/s at most.
+    EXPECT_LT(apart, 0.02);
+  } else {
+    EXPECT_NEAR(apart, 2.6, 0.05) << "nobody told it";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, EveryGyro,
+                         testing::Values(ByGyro{"none", false, false}, ByGyro{"for_the_shutter", true, false},
+                                         ByGyro{"for_rotations", true, true}),
+                         [](const auto& info) { return info.param.name; });
+
 /// Sideways, and the head shakes: 30 ms smear 12 px at most, along paths that are bent where it turns back.
 Pose ShakenPose(double t_s) {
   return SidewaysPose(t_s) * Pose(ExpSo3({0.05 * std::sin(29 * t_s), 0.12 * std::sin(17 * t_s), 0}), {0, 0, 0});
