@@ -120,7 +120,7 @@ Simulation::Simulation(const Robot& robot, const Scene& scene, const SimulationO
     world_.ScaleServos(options.gait.servo_stiffness, options.gait.neck_stiffness);
   }
   PutAtStart();
-  const Pose& X_MC = rig_.WorldCameras().front().X_MC;
+  const Pose X_MC = rig_.WorldCameras().front().X_MC;
   calibration_.imu = CalibrateImu(robot, options.sensors, X_MC, controller_->InitialJoints());
   const Pose X_WR = controller_->InitialRoot();
   const Pose X_WC = StandingCameraPose(robot, X_MC, X_WR, controller_->InitialJoints());
