@@ -56,6 +56,23 @@ TEST_F(LauncherTest, AMachineWithoutAptIsToldInOneLine) {
   }
 }
 
+TEST_F(LauncherTest, AQuestionIsNoReasonToBuild) {
+  MakeProject("#include <cstdio>\nint main(int n, char** words) { std::puts(n > 1 ? words[1] : \"all verbs\"); }\n");
+  const auto says_what_to_type = testing::AllOf(HasSubstr("./gaitcam run scenarios/quickstart.yaml"),
+                                                HasSubstr("./gaitcam test"), HasSubstr("installs Debian packages"));
+  for (const char* words : {"", "help", "-h", "--help", "run --help", "help run", "test --help", "experiment -h"}) {
+    const ProgramResult result = Shell(std::string("project/gaitcam ") + words);
+    EXPECT_EQ(result.exit_code, 0) << words;
+    EXPECT_THAT(result.out, says_what_to_type) << words;
+    EXPECT_EQ(result.err, "") << words;
+    EXPECT_FALSE(fs::exists(File("project/build"))) << words;
+  }
+  EXPECT_EQ(Shell("project/gaitcam list").exit_code, 0);  // builds
+  EXPECT_EQ(Shell("project/gaitcam").out, "all verbs\n");
+  EXPECT_EQ(Shell("project/gaitcam --help").out, "--help\n") << "the program answers for itself";
+  EXPECT_THAT(Shell("project/gaitcam test --help").out, says_what_to_type) << "tests are the launcher's";
+}
+
 TEST_F(LauncherTest, ASecondCallBuildsNothingAndSaysNothing) {
   MakeProject("#include <cstdio>\nint main(int n, char** words) { std::puts(n > 1 ? words[1] : \"\"); return 7; }\n");
   EXPECT_EQ(Shell("project/gaitcam complete li").exit_code, 0);
