@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/remove_tree.h"
 
 namespace gaitcam {
 namespace fs = std::filesystem;
@@ -79,8 +80,7 @@ std::vector<fs::path> Abandoned(const fs::path& folder, const std::string& prefi
 }  // namespace
 
 void RemoveAbandoned(const fs::path& folder, const std::string& prefix) {
-  std::error_code error;
-  for (const fs::path& path : Abandoned(folder, prefix)) fs::remove_all(path, error);
+  for (const fs::path& path : Abandoned(folder, prefix)) RemoveTree(path);
 }
 
 bool HoldsAbandoned(const fs::path& folder, const std::string& prefix) { return !Abandoned(folder, prefix).empty(); }

@@ -174,7 +174,9 @@ std::vector<FrameEstimate> CommandSystem::Run() {
                                                   .folder = dataset_->answers(),
                                                   .max_file_bytes = kMaxForeignFile_bytes,
                                                   .max_memory_mb = ForeignMemory_mb(command_.memory_mb),
-                                                  .max_processes = kMaxForeignProcesses});
+                                                  .max_processes = kMaxForeignProcesses,
+                                                  .max_folder_bytes = kMaxForeignFolder_bytes,
+                                                  .max_folder_files = kMaxForeignFiles});
     ending = program.Wait(command_.time_limit_s);
   }
   std::error_code ignored;
@@ -248,9 +250,11 @@ namespace {
 
 fs::path FindKeyFrames(const fs::path& output) {
   std::vector<fs::path> found;
-  for (const auto& entry : fs::recursive_directory_iterator(output)) {
-    const bool is_named = entry.path().filename().string().find("KeyFrameTrajectory") != std::string::npos;
-    if (is_named && IsItsOwnFile(entry.path())) found.push_back(entry.path());
+  std::error_code ended;
+  fs::recursive_directory_iterator entry(output, fs::directory_options::skip_permission_denied, ended);
+  for (; !ended && entry != fs::recursive_directory_iterator(); entry.increment(ended)) {
+    const bool is_named = entry->path().filename().string().find("KeyFrameTrajectory") != std::string::npos;
+    if (is_named && IsItsOwnFile(entry->path())) found.push_back(entry->path());
   }
   if (found.size() == 1) return found.front();
   throw BadInput(fmt::format("{} files named ...KeyFrameTrajectory... in its exp_folder; expected one", found.size()));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,7 +15,11 @@
 #include "scenarios/code/systems/process_list.h"
 
 namespace gaitcam {
+namespace fs = std::filesystem;
 namespace {
+
+constexpr double kBytesPerMb = 1e6;
+constexpr int kMaxDepth = 64;
 
 /// So that a thousand others that want the processors do not keep the calling thread from them. Needs a right that root
 /// has; without it nothing changes.
@@ -22,6 +27,25 @@ void RunBeforeOthers() {
   sched_param least = {};
   least.sched_priority = sched_get_priority_min(SCHED_FIFO);
   sched_setscheduler(0, SCHED_FIFO, &least);
+}
+
+/// "it wrote more than 10000 files"; empty while the folder keeps within its limits. What comes and goes meanwhile may
+/// be missed; files with holes count for what they take of the disk. Each level takes a descriptor of ours.
+std::string OffenceIn(const FamilyLimits& limits) {
+  if (limits.folder.empty()) return "";
+  uint64_t in_use = 0;
+  size_t files = 0;
+  std::error_code ended;
+  fs::recursive_directory_iterator entry(limits.folder, fs::directory_options::skip_permission_denied, ended);
+  for (; !ended && entry != fs::recursive_directory_iterator(); entry.increment(ended)) {
+    if (++files > limits.folder_files) return fmt::format("it wrote more than {} files", limits.folder_files);
+    if (entry.depth() >= kMaxDepth) return fmt::format("it wrote into folders more than {} deep", kMaxDepth);
+    struct stat status = {};
+    constexpr uint64_t kBlock_bytes = 512;  // whatever the file system's own are
+    if (lstat(entry->path().c_str(), &status) == 0) in_use += uint64_t(status.st_blocks) * kBlock_bytes;
+  }
+  if (in_use <= limits.folder_bytes) return "";
+  return fmt::format("it wrote more than {:g} MB of files", double(limits.folder_bytes) / kBytesPerMb);
 }
 
 }  // namespace
@@ -38,10 +62,12 @@ FamilyWatch::~FamilyWatch() {
   thread_.join();
 }
 
-std::string FamilyWatch::offence() {
+std::string FamilyWatch::KilledFor() {
   const std::lock_guard lock(mutex_);
   return offence_;
 }
+
+std::string FamilyWatch::LeftBehind() const { return OffenceIn(limits_); }
 
 void FamilyWatch::Watch() {
   using std::chrono::steady_clock;
@@ -91,9 +117,9 @@ std::string FamilyWatch::OffenceNow() const {
   if (family.size() > limits_.processes) return fmt::format("it started more than {} processes", limits_.processes);
   uint64_t in_use = 0;
   for (const pid_t pid : family) in_use += PrivateMemory_bytes(pid);
-  constexpr double kBytesPerMb = 1e6;
-  if (in_use <= limits_.memory_bytes) return "";
-  return fmt::format("it took more than {:g} MB of memory", double(limits_.memory_bytes) / kBytesPerMb);
+  if (in_use > limits_.memory_bytes)
+    return fmt::format("it took more than {:g} MB of memory", double(limits_.memory_bytes) / kBytesPerMb);
+  return OffenceIn(limits_);
 }
 
 /// Groups at once, and with a sandbox's first process the kernel ends all in it. Others are stopped before they are

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -16,14 +17,17 @@ namespace gaitcam {
 struct FamilyLimits {
   uint64_t memory_bytes = UINT64_MAX;
   size_t processes = SIZE_MAX;
+  std::filesystem::path folder = {};  ///< Where they may write; empty: it is not looked at.
+  uint64_t folder_bytes = UINT64_MAX;
+  size_t folder_files = SIZE_MAX;
 };
 
 /// Looks five times a second at a process and its family (process_list.h), and kills all of them once they have more
-/// memory in use, or are more, than they may; at once where the machine has so many more processes, which are stopped
-/// while they are counted. The kernel's own limits of memory are of one process, and of what it reserves, not uses:
-/// sanitizers and drivers of graphics cards reserve terabytes. Those of processes are of a user, and not of root.
-/// Memory that is shared, of other programs' or with files of a folder in memory behind it, does not count; what a fork
-/// left in common counts for each that has it.
+/// memory in use, are more, or have written more than they may; at once where the machine has so many more processes,
+/// which are stopped while they are counted. The kernel's own limits of memory are of one process, and of what it
+/// reserves, not uses: sanitizers and drivers of graphics cards reserve terabytes. Those of processes are of a user,
+/// and not of root. Memory that is shared, of other programs' or with files of a folder in memory behind it, does not
+/// count; what a fork left in common counts for each that has it.
 class FamilyWatch {
  public:
   /// @param mark what the environment of the family's processes holds
@@ -34,7 +38,9 @@ class FamilyWatch {
   FamilyWatch& operator=(const FamilyWatch&) = delete;
 
   /// "it took more than 500 MB of memory"; empty while they keep within their limits.
-  std::string offence();
+  std::string KilledFor();
+  /// "it wrote more than 10000 files": what may have been written since the last look; empty if that is within limits.
+  std::string LeftBehind() const;
 
  private:
   void Watch();

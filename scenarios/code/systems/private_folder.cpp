@@ -6,6 +6,7 @@
 #include <string>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/io/remove_tree.h"
 #include "algorithms/io/whole_file.h"
 
 namespace gaitcam {
@@ -26,9 +27,6 @@ PrivateFolder PrivateFolder::InMemory() {
   return PrivateFolder(fs::is_directory(memory, ignored) ? memory : fs::temp_directory_path());
 }
 
-PrivateFolder::~PrivateFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
+PrivateFolder::~PrivateFolder() { RemoveTree(path_); }
 
 }  // namespace gaitcam

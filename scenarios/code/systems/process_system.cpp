@@ -102,7 +102,9 @@ class ProcessSystem::Conversation {
                                                        .folder = work(),
                                                        .max_file_bytes = kMaxForeignFile_bytes,
                                                        .max_memory_mb = ForeignMemory_mb(options.memory_mb),
-                                                       .max_processes = kMaxForeignProcesses});
+                                                       .max_processes = kMaxForeignProcesses,
+                                                       .max_folder_bytes = kMaxForeignFolder_bytes,
+                                                       .max_folder_files = kMaxForeignFiles});
     to_.second.Close();
     from_.second.Close();
   }

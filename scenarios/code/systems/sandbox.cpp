@@ -61,9 +61,19 @@ std::vector<fs::path> FilesOfProgram(const fs::path& program) {
   return files;
 }
 
+/// An empty folder in memory, of limited size: what lies in it is of no process, so that no limit of memory sees it.
+std::vector<std::string> FolderInMemory(const fs::path& folder) {
+  constexpr double kPart = 1.0 / 8, kBytesPerMb = 1e6;
+  const uint64_t bytes = uint64_t(kPart * kBytesPerMb * ForeignMemory_mb(0));
+  return {"--size", std::to_string(bytes), "--tmpfs", folder.string()};
+}
+
 std::vector<std::string> BubblewrapWords() {
   std::vector<std::string> words = {"bwrap", "--unshare-all", "--die-with-parent", "--new-session", "--proc", "/proc",
-                                    "--dev", "/dev",          "--tmpfs",           "/tmp"};
+                                    "--dev", "/dev"};
+  for (const char* folder : {"/dev/shm", "/tmp"}) {
+    for (const std::string& word : FolderInMemory(folder)) words.push_back(word);
+  }
   for (const char* folder : kSystemFolders) words.insert(words.end(), {"--ro-bind-try", folder, folder});
   for (const char* device : kDevices) words.insert(words.end(), {"--dev-bind-try", device, device});
   return words;
@@ -92,10 +102,7 @@ std::vector<std::string> TaskLimitWords() {
 
 std::string TrySandbox() {
   if (!FindProgram("bwrap")) return "bubblewrap is not installed";
-  std::vector<std::string> words = BubblewrapWords();
-  for (const std::string& word : TaskLimitWords()) words.push_back(word);
-  words.emplace_back("true");
-  Subprocess program(words, fs::path("/dev/null"));
+  Subprocess program(Sandboxed({"/bin/true"}, {{}, {}, "/tmp"}), fs::path("/dev/null"));
   constexpr double kLimit_s = 10;
   const std::optional<Ending> ending = program.Wait(kLimit_s);
   return ending && ending->ok() ? "" : "the kernel does not let bubblewrap make one";
@@ -120,14 +127,17 @@ std::vector<std::string> Sandboxed(const std::vector<std::string>& command, cons
   const auto show = [&](const char* how, const fs::path& path) {
     words.insert(words.end(), {how, path.string(), path.string()});
   };
-  if (const fs::path home = Home(); !home.empty() && home != "/" && !IsOfSystem(home)) {
-    words.insert(words.end(), {"--tmpfs", home.string()});
+  if (const fs::path home = Home(); home.empty() || home == "/") {
+    words.insert(words.end(), {"--setenv", "HOME", "/tmp"});
+  } else if (!IsOfSystem(home)) {
+    for (const std::string& word : FolderInMemory(home)) words.push_back(word);
     show("--ro-bind-try", home / ".local/lib");  // packages that pip installed for the user
   }
   for (const fs::path& file : FilesOfProgram(command.front())) show("--ro-bind-try", file);
   for (const fs::path& path : view.readable) show("--ro-bind", path);
   for (const fs::path& path : view.writable) show("--bind", path);
-  words.insert(words.end(), {"--chdir", view.folder.string(), "--"});
+  // The folders that hold all these lie in memory, too.
+  words.insert(words.end(), {"--remount-ro", "/dev", "--remount-ro", "/", "--chdir", view.folder.string(), "--"});
   const std::vector<std::string> limit = TaskLimitWords();
   words.insert(words.end(), limit.begin(), limit.end());
   words.insert(words.end(), command.begin(), command.end());

@@ -25,8 +25,9 @@ const std::string& WhyNoSandbox();
 /// How a program in a sandbox ended, as it would have ended outside: bubblewrap says a signal by an exit code.
 Ending EndingIn(const Ending& ending);
 
-/// The words that run `command` in a sandbox: it sees /usr, /etc and the like read-only, an empty home and /tmp, the
-/// packages of the Python that it runs in, and `view`. It ends with us, and all that it started with it. The kernel
+/// The words that run `command` in a sandbox: it sees /usr, /etc and the like read-only, an empty home, /tmp and
+/// /dev/shm, in memory, an eighth of ForeignMemory_mb(0) each, the packages of the Python that it runs in, and `view`;
+/// nowhere else can it write. It ends with us, and all that it started with it. The kernel
 /// refuses it more than some 1,000 processes and threads, unless root runs it (Linux 5.14 or later).
 /// @param command its first word is a path.
 /// @pre WhyNoSandbox().empty().

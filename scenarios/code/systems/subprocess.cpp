@@ -133,7 +133,7 @@ class KnownChildren {
 }  // namespace
 
 std::string Ending::ToText() const {
-  if (!offence.empty()) return "was killed: " + offence;
+  if (!offence.empty()) return (signal == SIGKILL ? "was killed: " : "ended by itself, but ") + offence;
   return signal == 0 ? fmt::format("exited with {}", code)
                      : fmt::format("died of signal {} ({})", signal, strsignal(signal));
 }
@@ -151,7 +151,12 @@ Subprocess::Subprocess(const std::vector<std::string>& command, const Subprocess
   FamilyLimits limits;
   if (streams.max_memory_mb > 0) limits.memory_bytes = uint64_t(streams.max_memory_mb * 1e6);
   if (streams.max_processes > 0) limits.processes = streams.max_processes;
-  if (streams.max_memory_mb > 0 || streams.max_processes > 0)
+  if (!streams.folder.empty() && (streams.max_folder_bytes > 0 || streams.max_folder_files > 0)) {
+    limits.folder = streams.folder;
+    if (streams.max_folder_bytes > 0) limits.folder_bytes = streams.max_folder_bytes;
+    if (streams.max_folder_files > 0) limits.folder_files = streams.max_folder_files;
+  }
+  if (streams.max_memory_mb > 0 || streams.max_processes > 0 || !limits.folder.empty())
     watch_ = std::make_unique<FamilyWatch>(child_, mark_, limits);
 }
 
@@ -188,7 +193,7 @@ std::optional<Ending> Subprocess::Poll() {
   siginfo_t info = {};
   if (waitid(P_PID, id_t(child_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != child_)
     return std::nullopt;
-  const std::string offence = watch_ ? watch_->offence() : "";
+  const std::string killed_for = watch_ ? watch_->KilledFor() : "", left_behind = watch_ ? watch_->LeftBehind() : "";
   watch_.reset();  // as long as its number is its own
   int status = 0;
   waitpid(child_, &status, 0);
@@ -197,7 +202,11 @@ std::optional<Ending> Subprocess::Poll() {
   KillDescendants();
   child_ = 0;
   ending_ = WIFEXITED(status) ? Ending{WEXITSTATUS(status), 0} : Ending{-1, WTERMSIG(status)};
-  if (!offence.empty()) ending_ = Ending{-1, SIGKILL, offence};
+  if (!killed_for.empty()) {
+    ending_ = Ending{-1, SIGKILL, killed_for};
+  } else {
+    ending_->offence = left_behind;
+  }
   return ending_;
 }
 

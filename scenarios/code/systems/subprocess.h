@@ -19,10 +19,11 @@ namespace gaitcam {
 struct Ending {
   int code = 0;              ///< Exit code; -1 if a signal ended it.
   int signal = 0;            ///< 0 unless a signal ended it.
-  std::string offence = {};  ///< Why it was killed, "it took more than 500 MB of memory", if it was.
+  std::string offence = {};  ///< "it took more than 500 MB of memory"; then it was killed, if it had not ended.
 
-  bool ok() const { return code == 0; }
-  /// "exited with 3", "died of signal 11 (Segmentation fault)", "was killed: it took more than 500 MB of memory".
+  bool ok() const { return code == 0 && offence.empty(); }
+  /// "exited with 3", "died of signal 11 (Segmentation fault)", "was killed: it took more than 500 MB of memory",
+  /// "ended by itself, but it wrote more than 10000 files".
   std::string ToText() const;
 };
 
@@ -36,6 +37,8 @@ struct SubprocessStreams {
   size_t max_file_bytes = 0;                          ///< Of each file that it writes, its log too; 0: no limit.
   double max_memory_mb = 0;                           ///< Of it and all that it starts, together; 0: no limit.
   size_t max_processes = 0;                           ///< Likewise.
+  uint64_t max_folder_bytes = 0;                      ///< Of all files below `folder`; 0: no limit.
+  size_t max_folder_files = 0;                        ///< Likewise, folders too.
 };
 
 class Subprocess {
@@ -71,6 +74,10 @@ std::optional<std::filesystem::path> FindProgram(const std::string& name);
 
 /// No file of somebody else's program grows beyond this: its folder lies in memory, and what it printed is kept.
 constexpr size_t kMaxForeignFile_bytes = size_t(1) << 30;
+
+/// All that it writes into its folder, together.
+constexpr uint64_t kMaxForeignFolder_bytes = 4'000'000'000;
+constexpr size_t kMaxForeignFiles = 10'000;
 
 /// Nobody's odometry needs as many processes; a program that forks without end is stopped by it.
 constexpr size_t kMaxForeignProcesses = 500;

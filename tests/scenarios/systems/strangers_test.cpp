@@ -177,6 +177,68 @@ TEST_F(Strangers, AFileOfTheirsGrowsToItsLimitAndNoFurther) {
   EXPECT_EQ(fs::file_size(temporary_.path() / "log"), 4096U);
 }
 
+TEST_F(Strangers, AllOfTheirFilesTogetherGrowToALimit) {
+  const fs::path work = temporary_.path() / "work";
+  fs::create_directories(work);
+  const SubprocessStreams streams{
+      .log = temporary_.path() / "log", .folder = work, .max_file_bytes = 1 << 20, .max_folder_bytes = 3'000'000};
+  const auto ending_of = [&](const std::string& command) {
+    Subprocess program({"/bin/sh", "-c", command}, streams);
+    return program.Wait(20).value_or(Ending{-1, 0, "did not end"}).ToText();
+  };
+  const std::string fill = "for i in 1 2 3 4 5; do mkdir -p $i; head -c 1000000 /dev/urandom > $i/file; done; ";
+  EXPECT_EQ(ending_of("head -c 100000000000 /dev/null; truncate -s 1000000 holes; exit 3"), "exited with 3");
+  EXPECT_EQ(ending_of(fill + "sleep 19"), "was killed: it wrote more than 3 MB of files");
+  EXPECT_THAT(ending_of("exit 0"), HasSubstr("it wrote more than 3 MB of files")) << "they are still there";
+}
+
+// A folder that we could not remove would stay in memory until the machine is started anew.
+TEST_F(Strangers, NothingThatTheyWroteStays) {
+  const auto ours = [] {
+    std::vector<std::string> names;
+    for (const fs::path& parent : {fs::temp_directory_path(), fs::path("/dev/shm")}) {
+      std::error_code ignored;
+      for (const auto& entry : fs::directory_iterator(parent, ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with("gaitcam-") && name.find("-" + std::to_string(getpid()) + "-") != std::string::npos)
+          names.push_back(name);
+      }
+    }
+    return names;
+  };
+  const std::string deep = "import os, time\nfor i in range(2000): os.mkdir('d'); os.chdir('d')\n";
+  const std::string locked = "os.chdir('/'); os.chmod(folder, 0); time.sleep(0.5)\n";
+  const std::string command =
+      Program("slam.py", "#!/usr/bin/env python3\nimport sys, os\nfolder = os.getcwd()\n" + deep + locked);
+  EXPECT_THAT(FailureOf("{command: [" + command + R"(, "{dataset}", "{output}"], time_limit_s: 20})"),
+              HasSubstr("it wrote into folders more than 64 deep"));
+  EXPECT_THAT(ours(), testing::IsEmpty());
+}
+
+TEST_F(Strangers, InASandboxTheyWriteWhereThereIsALimitAndNowhereElse) {
+  if (!WhyNoSandbox().empty()) GTEST_SKIP() << WhyNoSandbox();
+  const std::string look =
+      "import os\n"
+      "def size(folder): s = os.statvfs(folder); return s.f_frsize * s.f_blocks\n"
+      "def writes(folder):\n"
+      "  try: open(folder + '/probe', 'w').close(); return True\n"
+      "  except OSError: return False\n"
+      "folders = ['/', '/dev', '/etc', '/usr', '/tmp', '/dev/shm', os.environ['HOME'], os.getcwd()]\n"
+      "print(*[folder if size(folder) <= " +
+      std::to_string(uint64_t(ForeignMemory_mb(0) * 1e6 / 8) + 4096) +
+      " else folder + ':unlimited' for folder in folders[:-1] if writes(folder)], writes(folders[-1]))\n";
+  const std::string home = std::getenv("HOME") == nullptr ? "" : std::getenv("HOME");
+  const fs::path log = temporary_.path() / "log", work = temporary_.path() / "work";
+  fs::create_directories(work);
+  for (const std::string set : {"/home/somebody", "/", ""}) {
+    set.empty() ? unsetenv("HOME") : setenv("HOME", set.c_str(), 1);
+    Subprocess program(Sandboxed({"/usr/bin/python3", "-c", look}, {{}, {work}, work}), log);
+    EXPECT_TRUE(program.Wait(60));
+    EXPECT_EQ(LastLine(log), "/tmp /dev/shm " + (set.size() > 1 ? set : "/tmp") + " True") << ReadText(log);
+  }
+  home.empty() ? unsetenv("HOME") : setenv("HOME", home.c_str(), 1);
+}
+
 class StrangersThatHoard : public Strangers, public testing::WithParamInterface<Misdeed> {};
 
 TEST_P(StrangersThatHoard, AreKilledWithAllTheirProcesses) {
@@ -187,10 +249,14 @@ TEST_P(StrangersThatHoard, AreKilledWithAllTheirProcesses) {
   EXPECT_FALSE(IsAnywhere(slam)) << "it still runs";
 }
 
-// The second's processes have less than the limit each, in sessions of their own.
+// The second's processes have less than the limit each, in sessions of their own. What the others write lies in memory.
 INSTANTIATE_TEST_SUITE_P(
     That, StrangersThatHoard,
-    testing::Values(Misdeed{"TakeTooMuch", "hoard = b'x' * 200000000; time.sleep(19)",
+    testing::Values(Misdeed{"WriteTooManyFiles", "[open(str(i), 'w').close() for i in range(20000)]; time.sleep(19)",
+                            "at frame 1 it was killed: it wrote more than 10000 files"},
+                    Misdeed{"WriteTooDeep", "[(os.mkdir('d'), os.chdir('d')) for i in range(300)]; time.sleep(19)",
+                            "at frame 1 it was killed: it wrote into folders more than 64 deep"},
+                    Misdeed{"TakeTooMuch", "hoard = b'x' * 200000000; time.sleep(19)",
                             "at frame 1 it was killed: it took more than 150 MB of memory"},
                     Misdeed{"TakeTooMuchInParts",
                             "[os.fork() == 0 and (os.setsid(), [b'x' * 60000000], time.sleep(19)) for i in range(4)]; "
