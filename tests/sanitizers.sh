@@ -20,13 +20,7 @@ esac
 shift
 if [ ! -e build/$preset/build.ninja ]; then cmake --preset $preset >&2 || exit 4; fi
 cmake --build --preset $preset >&2 || exit 4
-# liburdfdom's links and their parents hold each other, and are never given back.
-printf 'leak:urdf::parseURDF\n' >build/$preset/leaks.txt
-export LSAN_OPTIONS=suppressions=$PWD/build/$preset/leaks.txt:print_suppressions=0
-# Of libraries that are not built with the sanitizer: OpenCV counts the users of an image and Mesa's software renderer
-# waits for its threads where it cannot see it, and GDAL takes two locks in either order.
-printf '%s\n' race:cv::Mat::deallocate deadlock:libgdal.so race:swrast_dri.so >build/$preset/races.txt
-export TSAN_OPTIONS=suppressions=$PWD/build/$preset/races.txt
+export LSAN_OPTIONS=print_suppressions=0 TSAN_OPTIONS=print_suppressions=0
 # Programs under test preload libraries of their own before the sanitizer's, and ask for more memory than there is.
 export ASAN_OPTIONS=verify_asan_link_order=0:allocator_may_return_null=1:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1

@@ -31,9 +31,6 @@ gaitcam::FuzzReader Chosen() {
 
 }  // namespace
 
-/// liburdfdom's links and their parents hold each other.
-extern "C" const char* __lsan_default_suppressions() { return "leak:liburdfdom_model\n"; }
-
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const gaitcam::FuzzReader reader = Chosen();
   reader.read(std::string(reinterpret_cast<const char*>(data), size));

@@ -174,7 +174,7 @@ Subprocess::Subprocess(Subprocess&& other) noexcept
     : child_(std::exchange(other.child_, 0)),
       mark_(std::move(other.mark_)),
       watch_(std::move(other.watch_)),
-      ending_(other.ending_) {}
+      ending_(std::move(other.ending_)) {}
 
 /// Again until there is none: one may start another while we look.
 void Subprocess::KillDescendants() const {

@@ -148,7 +148,13 @@ INSTANTIATE_TEST_SUITE_P(
 
 class StrangerLibraries : public Strangers, public testing::WithParamInterface<Misdeed> {
  protected:
-  StrangerLibraries() { setenv("GAITCAM_PROGRAM", gaitcam::Program().c_str(), 1); }  // it serves them
+  StrangerLibraries() {
+    setenv("GAITCAM_PROGRAM", gaitcam::Program().c_str(), 1);         // it serves them
+    for (const char* sanitizer : {"ASAN_OPTIONS", "TSAN_OPTIONS"}) {  // it is to die as it would without one
+      const char* given = std::getenv(sanitizer);
+      setenv(sanitizer, ((given == nullptr ? "" : std::string(given) + ":") + "handle_segv=0").c_str(), 1);
+    }
+  }
 };
 
 TEST_P(StrangerLibraries, FailInOneLine) {

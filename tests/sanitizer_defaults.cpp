@@ -1,0 +1,14 @@
+// What sanitizers are told of libraries that are not built with them; a part of each program of such a build. In a
+// file, programs in a sandbox would not find it.
+
+/// liburdfdom's links and their parents hold each other, and are never given back.
+extern "C" const char* __lsan_default_suppressions() { return "leak:liburdfdom_model\n"; }
+
+/// OpenCV counts the users of an image, and both it and Mesa's software renderer make what threads share, where the
+/// sanitizer cannot see it. GDAL takes two locks in either order.
+extern "C" const char* __tsan_default_suppressions() {
+  return "race:cv::Mat::deallocate\n"
+         "called_from_lib:libopencv_imgcodecs.so\n"
+         "race:swrast_dri.so\n"
+         "deadlock:libgdal.so\n";
+}
