@@ -71,6 +71,7 @@ TEST_F(LauncherTest, AQuestionIsNoReasonToBuild) {
   EXPECT_EQ(Shell("project/gaitcam").out, "all verbs\n");
   EXPECT_EQ(Shell("project/gaitcam --help").out, "--help\n") << "the program answers for itself";
   EXPECT_THAT(Shell("project/gaitcam test --help").out, says_what_to_type) << "tests are the launcher's";
+  EXPECT_THAT(Shell("project/gaitcam experiment --help").out, says_what_to_type) << "a program that is not built yet";
 }
 
 TEST_F(LauncherTest, ASecondCallBuildsNothingAndSaysNothing) {
