@@ -5,7 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
+#include <cerrno>
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,15 @@ bool RemoveOne(int folder, const std::string& name) {
   return unlinkat(folder, name.c_str(), 0) == 0 || unlinkat(folder, name.c_str(), AT_REMOVEDIR) == 0;
 }
 
+/// Gives what lies in `folder` a name in `top` that is not there yet, the first after `.removed-` and `moved`.
+bool MoveUp(int folder, const std::string& name, int top, uint64_t& moved) {
+  for (;;) {
+    const std::string free_name = ".removed-" + std::to_string(++moved);
+    if (renameat2(folder, name.c_str(), top, free_name.c_str(), RENAME_NOREPLACE) == 0) return true;
+    if (errno != EEXIST) return false;
+  }
+}
+
 /// Removes the folder `name` of `top`, and moves the folders in it that are not empty up into `top`.
 /// @returns whether anything was moved or removed.
 bool Flatten(int top, const std::string& name, uint64_t& moved) {
@@ -63,7 +73,7 @@ bool Flatten(int top, const std::string& name, uint64_t& moved) {
         continue;
       }
       fchmodat(folder.number(), inner.c_str(), S_IRWXU, 0);  // its ".." is written to
-      any |= renameat(folder.number(), inner.c_str(), top, (".removed-" + std::to_string(++moved)).c_str()) == 0;
+      any |= MoveUp(folder.number(), inner, top, moved);
     }
   }
   return RemoveOne(top, name) || any;
@@ -75,8 +85,7 @@ bool RemoveTree(const std::filesystem::path& path) {
   if (RemoveOne(AT_FDCWD, path.string())) return true;
   {
     const OpenFolder top(AT_FDCWD, path.string());
-    // No name that is there already, whatever somebody chose.
-    uint64_t moved = uint64_t(std::chrono::system_clock::now().time_since_epoch().count());
+    uint64_t moved = 0;
     for (bool any = true; any;) {
       any = false;
       for (const std::string& name : top.Names())

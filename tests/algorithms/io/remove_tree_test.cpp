@@ -54,6 +54,14 @@ TEST(RemoveTree, GoesDeeperThanAProcessMayOpenFolders) {
   EXPECT_TRUE(fs::is_empty(temporary.path()));
 }
 
+TEST(RemoveTree, NamesThatItWouldHaveChosenAreNoHindrance) {
+  const TemporaryFolder temporary;
+  for (int i = 1; i < 40; ++i) temporary.Write("gone/.removed-" + std::to_string(i) + "/inner/inner/file", "text");
+  temporary.Write("gone/a/inner/.removed-1/file", "text");
+  EXPECT_TRUE(RemoveTree(temporary.path() / "gone"));
+  EXPECT_TRUE(fs::is_empty(temporary.path()));
+}
+
 TEST(RemoveTree, TakesLinksAndNotWhatTheyName) {
   const TemporaryFolder temporary;
   const fs::path kept = temporary.Write("kept/file", "text");
