@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,12 +52,13 @@ bool RemoveOne(int folder, const std::string& name) {
   return unlinkat(folder, name.c_str(), 0) == 0 || unlinkat(folder, name.c_str(), AT_REMOVEDIR) == 0;
 }
 
-/// Gives what lies in `folder` a name in `top` that is not there yet, the first after `.removed-` and `moved`.
+/// Moves the folder `name` of `folder` into `top`, as `.removed-` and the next number after `moved` that is free: a
+/// folder takes the name of no file, and of no folder that is not empty.
 bool MoveUp(int folder, const std::string& name, int top, uint64_t& moved) {
   for (;;) {
-    const std::string free_name = ".removed-" + std::to_string(++moved);
-    if (renameat2(folder, name.c_str(), top, free_name.c_str(), RENAME_NOREPLACE) == 0) return true;
-    if (errno != EEXIST) return false;
+    const std::string next = ".removed-" + std::to_string(++moved);
+    if (renameat(folder, name.c_str(), top, next.c_str()) == 0) return true;
+    if (errno != EEXIST && errno != ENOTEMPTY && errno != ENOTDIR) return false;
   }
 }
 

@@ -30,13 +30,14 @@ void RunBeforeOthers() {
 }
 
 /// "it wrote more than 10000 files"; empty while the folder keeps within its limits. What comes and goes meanwhile may
-/// be missed; files with holes count for what they take of the disk. Each level takes a descriptor of ours.
+/// be missed; files with holes count for what they take of the disk. Each level takes a descriptor of ours. What may
+/// not be read cannot be counted, and is an offence.
 std::string OffenceIn(const FamilyLimits& limits) {
   if (limits.folder.empty()) return "";
   uint64_t in_use = 0;
   size_t files = 0;
   std::error_code ended;
-  fs::recursive_directory_iterator entry(limits.folder, fs::directory_options::skip_permission_denied, ended);
+  fs::recursive_directory_iterator entry(limits.folder, ended);
   for (; !ended && entry != fs::recursive_directory_iterator(); entry.increment(ended)) {
     if (++files > limits.folder_files) return fmt::format("it wrote more than {} files", limits.folder_files);
     if (entry.depth() >= kMaxDepth) return fmt::format("it wrote into folders more than {} deep", kMaxDepth);
@@ -44,6 +45,7 @@ std::string OffenceIn(const FamilyLimits& limits) {
     constexpr uint64_t kBlock_bytes = 512;  // whatever the file system's own are
     if (lstat(entry->path().c_str(), &status) == 0) in_use += uint64_t(status.st_blocks) * kBlock_bytes;
   }
+  if (ended == std::errc::permission_denied) return "it made a folder that nobody may read";
   if (in_use <= limits.folder_bytes) return "";
   return fmt::format("it wrote more than {:g} MB of files", double(limits.folder_bytes) / kBytesPerMb);
 }

@@ -1,34 +1,18 @@
 #include "algorithms/io/remove_tree.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
 
+#include "tests/few_descriptors.h"
 #include "tests/temporary_folder.h"
 
 namespace gaitcam {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// No more files are open at once than this while it lives.
-class FewDescriptors {
- public:
-  explicit FewDescriptors(rlim_t most) {
-    getrlimit(RLIMIT_NOFILE, &before_);
-    const rlimit limit = {most, before_.rlim_max};
-    setrlimit(RLIMIT_NOFILE, &limit);
-  }
-  ~FewDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
-  FewDescriptors(const FewDescriptors&) = delete;
-  FewDescriptors& operator=(const FewDescriptors&) = delete;
-
- private:
-  rlimit before_ = {};
-};
 
 /// Folders in one another, a file in each; their path is longer than any that the system takes at once.
 void MakeDeep(const fs::path& folder, int levels) {
@@ -57,6 +41,7 @@ TEST(RemoveTree, GoesDeeperThanAProcessMayOpenFolders) {
 TEST(RemoveTree, NamesThatItWouldHaveChosenAreNoHindrance) {
   const TemporaryFolder temporary;
   for (int i = 1; i < 40; ++i) temporary.Write("gone/.removed-" + std::to_string(i) + "/inner/inner/file", "text");
+  temporary.Write("gone/.removed-40", "a file");
   temporary.Write("gone/a/inner/.removed-1/file", "text");
   EXPECT_TRUE(RemoveTree(temporary.path() / "gone"));
   EXPECT_TRUE(fs::is_empty(temporary.path()));
