@@ -73,8 +73,9 @@ struct KeyframeVoOptions {
   /// Each frame's rotation by its image and the gyroscope together (FusedRotations), whose bias is learned; with it
   /// landmarks are searched for and the position is found. Without a gyroscope nothing changes.
   bool use_imu = false;
-  /// Of MoBIF. With them a map is better where images are hardly blurred, and worse where blur is strong
-  /// (results/studies/saddle_points). As further features they are kept beyond max_features, 44 % of it at most.
+  /// Of MoBIF. At 10 frames/s a map is better with them where images are hardly blurred, and worse from 8 px of blur on
+  /// (results/studies/saddle_points); at 30 frames/s kAlways is better than kClear up to 6 px, the most that was tried
+  /// (results/studies/exposure). As further features they are kept beyond max_features, 44 % of it at most.
   SaddleTime saddles = SaddleTime::kClear;
   /// A detector that accounts for blur takes images with less as they are; 0: its own limit. BadOption where it has
   /// none.
