@@ -87,9 +87,9 @@ Held InQuarter(const std::vector<Held>& looks, int quarter) {
 /// That no more is open, running or lying about than was at some time before.
 void ExpectCountsWithin(const Held& late, const std::vector<Held>& before) {
   const auto most = [&](int Held::*what) {
-    int most = 0;
-    for (const Held& held : before) most = std::max(most, held.*what);
-    return most;
+    int largest = 0;
+    for (const Held& held : before) largest = std::max(largest, held.*what);
+    return largest;
   };
   EXPECT_LE(late.descriptors, most(&Held::descriptors));
   EXPECT_LE(late.processes, most(&Held::processes));
@@ -146,7 +146,7 @@ TEST(SoakTest, AWalkSixTimesAsLongHoldsNoMore) {
 }
 
 TEST(SoakTest, AWalkOfHoursHoldsNoMoreAtItsEnd) {
-  if (!IsLongPart()) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1";
+  if (!IsLongPart()) GTEST_SKIP() << "set GAITCAM_LONG_TESTS=1: two hours of walk take an hour or more";
   const TemporaryFolder folder;
   const Soaked soaked = SoakWalk(folder.path(), "walk",
                                  "duration_s: 0\nsystem: sift_vo\npath: {kind: circle, diameter_m: 4, laps: " +
