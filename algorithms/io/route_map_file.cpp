@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/json_whole.h"
 #include "algorithms/core/se3.h"
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/whole_file.h"
@@ -73,7 +74,8 @@ Json CameraJson(const CameraModel& c) {
 
 CameraModel CameraIn(const Json& json) {
   CameraModel c;
-  c.width_px = json.at("size_px").at(0), c.height_px = json.at("size_px").at(1);
+  const Json& size = json.at("size_px");
+  c.width_px = WholeOf<int>(size.at(0), "size_px"), c.height_px = WholeOf<int>(size.at(1), "size_px");
   c.fx = FiniteIn(json.at("f").at(0)), c.fy = FiniteIn(json.at("f").at(1));
   c.cx = FiniteIn(json.at("c").at(0)), c.cy = FiniteIn(json.at("c").at(1));
   const Json& k = json.at("k1_k2_p1_p2_k3");
@@ -95,7 +97,7 @@ Json LinkJson(const GraphLink& link) {
 
 GraphLink LinkIn(const Json& json, size_t nodes) {
   GraphLink link;
-  link.from = json.at("from"), link.to = json.at("to");
+  link.from = WholeOf<int>(json.at("from"), "from"), link.to = WholeOf<int>(json.at("to"), "to");
   if (link.from < 0 || link.to < 0 || size_t(link.from) >= nodes || size_t(link.to) >= nodes)
     throw BadInput("a link with a node that is not there");
   link.X_FT = PoseIn(json.at("X_FT"));
@@ -108,16 +110,19 @@ GraphLink LinkIn(const Json& json, size_t nodes) {
 
 PoseGraph GraphIn(const Json& json) {
   PoseGraph graph;
-  graph.candidates = json.at("candidates");
+  graph.candidates = WholeOf<int>(json.at("candidates"), "candidates");
   for (const Json& node : json.at("nodes")) {
-    graph.nodes.push_back({node.at("stamp_ns"), PoseIn(node.at("X_WC")), CovarianceIn(node.at("covariance"))});
+    graph.nodes.push_back({WholeOf<int64_t>(node.at("stamp_ns"), "stamp_ns"), PoseIn(node.at("X_WC")),
+                           CovarianceIn(node.at("covariance"))});
   }
   for (const Json& link : json.at("links")) graph.links.push_back(LinkIn(link, graph.nodes.size()));
   return graph;
 }
 
 std::vector<int> SessionsIn(const Json& json, size_t nodes) {
-  const std::vector<int> sessions = json.get<std::vector<int>>();
+  if (!json.is_array()) throw BadInput("sessions: expected a list");
+  std::vector<int> sessions;
+  for (const Json& begin : json) sessions.push_back(WholeOf<int>(begin, "sessions"));
   const bool rise = std::adjacent_find(sessions.begin(), sessions.end(), std::greater_equal<>()) == sessions.end();
   if (sessions.empty() || sessions.front() != 0 || !rise || (nodes > 0 && size_t(sessions.back()) >= nodes))
     throw BadInput("sessions that begin nowhere");
@@ -205,9 +210,9 @@ Json SizeJson(const MappedView& view) {
 MappedView TakeView(const Json& size, Bytes& bytes) {
   constexpr int kMaxNumbers = 4096;
   MappedView view;
-  const size_t features = size.at("features");
+  const auto features = WholeOf<size_t>(size.at("features"), "features");
   if (features == 0) return view;
-  const int numbers = size.at("numbers");
+  const int numbers = WholeOf<int>(size.at("numbers"), "numbers");
   if (features > kMaxFeatures || numbers < 1 || numbers > kMaxNumbers) throw BadInput("a view of an impossible size");
   view.keypoints.resize(features);
   view.depth_m.resize(features);

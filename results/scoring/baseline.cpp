@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/json_whole.h"
 
 namespace gaitcam {
 namespace {
@@ -37,7 +38,7 @@ Json ToJson(const MeasuredRun& run) {
 
 MeasuredRun RunFrom(const Json& json) {
   MeasuredRun run;
-  run.seed = json.at("seed").get<uint64_t>();
+  run.seed = WholeOf<uint64_t>(json.at("seed"), "seed");
   run.hash = json.at("hash").get<std::string>();
   run.state = StateOf(json.at("status").get<std::string>());
   run.reason = json.value("reason", "");

@@ -6,6 +6,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <Eigen/Eigenvalues>
+#include <cstring>
 #include <fstream>
 #include <mutex>
 #include <numbers>
@@ -47,6 +48,7 @@ class UrdfReader {
   UrdfTree Read() {
     LoadXml();
     FindElements();
+    CheckForFormats(document_.RootElement());
     const std::string root = FindRoot();
     for (const auto& [name, element] : joint_elements_) CheckJoint(name, element);
     ParseValues();
@@ -81,6 +83,16 @@ class UrdfReader {
     if (!document_.RootElement() || document_.RootElement()->Name() != std::string("robot")) {
       throw BadInput(file_.string() + ": expected a URDF file with root element <robot>");
     }
+  }
+
+  /// urdfdom puts attributes into its messages and hands these to printf as formats, so that "%n" writes to memory.
+  void CheckForFormats(Element element) const {
+    for (auto* attribute = element->FirstAttribute(); attribute; attribute = attribute->Next()) {
+      if (std::strchr(attribute->Value(), '%'))
+        Fail(element, fmt::format("{} \"{}\"; expected a value without %", attribute->Name(), attribute->Value()));
+    }
+    for (Element child = element->FirstChildElement(); child; child = child->NextSiblingElement())
+      CheckForFormats(child);
   }
 
   std::string Attribute(Element element, const char* key, const std::string& what) const {

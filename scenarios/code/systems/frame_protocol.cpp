@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/json_whole.h"
 #include "scenarios/code/systems/foreign_words.h"
 
 namespace gaitcam {
@@ -70,26 +71,6 @@ Json JsonOf(const Calibration& c) {
                         {"pitch_sigma", c.standing->pitch_sigma}};
   }
   return json;
-}
-
-/// A whole number that fits. Written as 12.0 it is one, too.
-template <class Whole>
-Whole WholeOf(const Json& json, const char* what) {
-  constexpr double kMostExact = 1e15;
-  const auto fail = [&] { throw BadInput(fmt::format("{}: expected a whole number", what)); };
-  if (json.is_number_unsigned()) {
-    const auto number = json.get<uint64_t>();
-    if (!std::in_range<Whole>(number)) fail();
-    return Whole(number);
-  }
-  if (json.is_number_float()) {
-    const double number = json.get<double>();
-    if (!(std::abs(number) < kMostExact) || number != std::trunc(number)) fail();
-    if (!std::in_range<Whole>(int64_t(number))) fail();
-    return Whole(number);
-  }
-  if (!json.is_number_integer() || !std::in_range<Whole>(json.get<int64_t>())) fail();
-  return Whole(json.get<int64_t>());
 }
 
 /// One that may be left out: 0 then.

@@ -5,7 +5,9 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 
+#include "algorithms/io/checksum.h"
 #include "tests/algorithms/io/file_test.h"
 
 namespace gaitcam {
@@ -15,6 +17,18 @@ std::string BytesOf(const std::filesystem::path& file) {
   std::ostringstream out;
   out << std::ifstream(file, std::ios::binary).rdbuf();
   return out.str();
+}
+
+/// A map's bytes with one text of its head in place of another, and the lengths and the checksum that belong to them.
+std::string WithNumber(const std::string& bytes, const std::string& from, const std::string& to) {
+  constexpr size_t kChecksum = 64;
+  const size_t begin = bytes.find('\n') + 1, line = bytes.find('\n', begin);
+  const size_t head = std::stoull(bytes.substr(begin, line - begin)), at = bytes.find(from, line);
+  EXPECT_NE(at, std::string::npos) << from;
+  std::string rest = bytes.substr(line, bytes.size() - kChecksum - line);
+  rest.replace(at - line, from.size(), to);
+  const std::string checked = bytes.substr(0, begin) + std::to_string(head + to.size() - from.size()) + rest;
+  return checked + Sha256(checked);
 }
 
 /// Three views with floats or bytes for descriptors, the last without any; a link along the way and a loop.
@@ -105,6 +119,20 @@ TEST_F(RouteMapFile, ThatIsDamagedOrCutOffIsRefused) {
     damaged[at] = char(damaged[at] ^ 1);
     EXPECT_NE(ErrorWith(damaged).find("bad.map: it is damaged or cut off"), std::string::npos) << at;
     EXPECT_NE(ErrorWith(whole.substr(0, at)).find("cut off"), std::string::npos) << at;
+  }
+}
+
+/// Found by fuzzing: converting a number that does not fit is undefined.
+TEST_F(RouteMapFile, CountsAndStampsThatDoNotFitAreRefusedByName) {
+  const std::string whole = BytesOf(Written());
+  for (const auto& [key, value] : {std::pair("candidates", "30"), std::pair("from", "0"), std::pair("to", "2"),
+                                   std::pair("stamp_ns", "1000000002"), std::pair("features", "6")}) {
+    const std::string entry = "\"" + std::string(key) + "\":";
+    for (const std::string number : {"1e21", "0.5", "-1e300", "\"1\""})
+      EXPECT_NE(ErrorWith(WithNumber(whole, entry + value, entry + number))
+                    .find("bad.map: " + std::string(key) + ": expected a whole number"),
+                std::string::npos)
+          << key << " " << number;
   }
 }
 

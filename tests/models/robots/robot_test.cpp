@@ -299,6 +299,17 @@ TEST_F(UserRobot, TreeMustHaveOneRootThatReachesAll) {
   EXPECT_THAT(Error(), HasSubstr("parent link \"tronk\" does not exist; did you mean trunk?"));
 }
 
+/// Found by fuzzing: a value in a message of urdfdom was taken for a format of printf.
+TEST_F(UserRobot, ValuesThatAPrintfWouldReadAreRefused) {
+  const std::string good = urdf_;
+  for (const std::string value : {"%n%n%n%n", "0.6%s%s%s%s", "%1$n"}) {
+    urdf_ = good;
+    Replace(urdf_, "<mass value=\"0.6\"/>", "<mass value=\"" + value + "\"/>");
+    EXPECT_THAT(Error(), testing::AllOf(testing::ContainsRegex("^khr1hv.urdf:[0-9]+: "),
+                                        HasSubstr("value \"" + value + "\"; expected a value without %")));
+  }
+}
+
 TEST_F(UserRobot, BrokenFilesAreNamed) {
   const std::string good = urdf_;
   urdf_ = "<robot name=\"x\"><link name=\"a\"></robot>";

@@ -85,9 +85,11 @@ TEST_F(BaselineTest, DamageIsNamedWithTheFile) {
                                   std::string("{\"schema\": \"gaitcam.baseline.1\"}")}) {
     EXPECT_THAT(Refusal(text), HasSubstr(file_.string() + ": damaged")) << text.substr(0, 40);
   }
-  std::string wrong_type = good;
-  wrong_type.replace(wrong_type.find("\"seed\":1"), 8, "\"seed\":\"one\"");
-  EXPECT_THAT(Refusal(wrong_type), HasSubstr("damaged"));
+  for (const std::string seed : {"\"one\"", "1e30", "-1"}) {
+    std::string wrong_seed = good;
+    wrong_seed.replace(wrong_seed.find("\"seed\":1"), 8, "\"seed\":" + seed);
+    EXPECT_THAT(Refusal(wrong_seed), HasSubstr(file_.string() + ": seed: expected a whole number")) << seed;
+  }
   std::string wrong_state = good;
   wrong_state.replace(wrong_state.find("not_scored"), 10, "was_scored");
   EXPECT_THAT(Refusal(wrong_state), HasSubstr("\"was_scored\" is no status"));
