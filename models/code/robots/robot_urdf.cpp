@@ -85,14 +85,18 @@ class UrdfReader {
     }
   }
 
-  /// urdfdom puts attributes into its messages and hands these to printf as formats, so that "%n" writes to memory.
+  /// urdfdom puts attributes into its messages and hands these to printf as formats, so that "%n" writes to memory. It
+  /// reads links, joints and materials alone; other elements, as a simulator's, may hold what they like.
   void CheckForFormats(Element element) const {
     for (auto* attribute = element->FirstAttribute(); attribute; attribute = attribute->Next()) {
       if (std::strchr(attribute->Value(), '%'))
         Fail(element, fmt::format("{} \"{}\"; expected a value without %", attribute->Name(), attribute->Value()));
     }
-    for (Element child = element->FirstChildElement(); child; child = child->NextSiblingElement())
-      CheckForFormats(child);
+    for (Element child = element->FirstChildElement(); child; child = child->NextSiblingElement()) {
+      const std::string kind = child->Name();
+      if (element != document_.RootElement() || kind == "link" || kind == "joint" || kind == "material")
+        CheckForFormats(child);
+    }
   }
 
   std::string Attribute(Element element, const char* key, const std::string& what) const {

@@ -308,6 +308,12 @@ TEST_F(UserRobot, ValuesThatAPrintfWouldReadAreRefused) {
     EXPECT_THAT(Error(), testing::AllOf(testing::ContainsRegex("^khr1hv.urdf:[0-9]+: "),
                                         HasSubstr("value \"" + value + "\"; expected a value without %")));
   }
+  urdf_ = good;
+  Replace(urdf_, "<mass value=\"0.6\"/>", "<mass value=\"&#37;n\"/>");
+  EXPECT_THAT(Error(), HasSubstr("value \"%n\"; expected a value without %"));
+  urdf_ = good;
+  Replace(urdf_, "</robot>", "<gazebo><plugin filename=\"%s.so\"/></gazebo></robot>");
+  EXPECT_EQ(Error(), "");
 }
 
 TEST_F(UserRobot, BrokenFilesAreNamed) {
