@@ -188,6 +188,14 @@ class UrdfReader {
       throw BadInput(file_.string() + ": " +
                      (console.first_error().empty() ? "not a URDF model" : console.first_error()));
     }
+    for (const auto& [name, element] : link_elements_) CheckName(model_->getLink(name) != nullptr, name, element);
+    for (const auto& [name, element] : joint_elements_) CheckName(model_->getJoint(name) != nullptr, name, element);
+  }
+
+  /// urdfdom's XML and tinyxml2 read a stray & differently. @param is_there in urdfdom's model
+  void CheckName(bool is_there, const std::string& name, Element element) const {
+    if (is_there) return;
+    Fail(element, fmt::format("{} \"{}\": not a name in XML; expected &amp; for a & in it", element->Name(), name));
   }
 
   Element ElementOf(const std::vector<std::pair<std::string, Element>>& elements, const std::string& name) const {

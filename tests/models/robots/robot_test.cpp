@@ -316,6 +316,22 @@ TEST_F(UserRobot, ValuesThatAPrintfWouldReadAreRefused) {
   EXPECT_EQ(Error(), "");
 }
 
+/// Found by fuzzing: the two XML readers took such a name for two names, and a joint that was not there was looked
+/// into.
+TEST_F(UserRobot, ANameWithAStrayAmpersandIsRefused) {
+  const std::string good = urdf_;
+  for (const std::string kind : {"joint", "link"}) {
+    urdf_ = good;
+    const std::string leaf = kind == "joint" ? "<joint name=\"nec&k\" type=\"fixed\"><parent link=\"trunk\"/><child "
+                                               "link=\"tip\"/></joint><link name=\"tip\"/>"
+                                             : "<joint name=\"neck_\" type=\"fixed\"><parent link=\"trunk\"/><child "
+                                               "link=\"ti&p\"/></joint><link name=\"ti&p\"/>";
+    Replace(urdf_, "</robot>", leaf + "</robot>");
+    EXPECT_THAT(Error(), testing::MatchesRegex("khr1hv.urdf:[0-9]+: " + kind +
+                                               " \"[a-z]+&[a-z]\": not a name in XML; expected &amp; for a & in it"));
+  }
+}
+
 TEST_F(UserRobot, BrokenFilesAreNamed) {
   const std::string good = urdf_;
   urdf_ = "<robot name=\"x\"><link name=\"a\"></robot>";
