@@ -192,10 +192,11 @@ class UrdfReader {
     for (const auto& [name, element] : joint_elements_) CheckName(model_->getJoint(name) != nullptr, name, element);
   }
 
-  /// urdfdom's XML and tinyxml2 read a stray & differently. @param is_there in urdfdom's model
+  /// urdfdom's XML reader and tinyxml2 may take one name for two, as with a stray &. @param is_there in urdfdom's model
   void CheckName(bool is_there, const std::string& name, Element element) const {
     if (is_there) return;
-    Fail(element, fmt::format("{} \"{}\": not a name in XML; expected &amp; for a & in it", element->Name(), name));
+    Fail(element, fmt::format("{} \"{}\": urdfdom reads another name; expected plain characters, and &amp; for &",
+                              element->Name(), name));
   }
 
   Element ElementOf(const std::vector<std::pair<std::string, Element>>& elements, const std::string& name) const {

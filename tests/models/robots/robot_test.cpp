@@ -1,8 +1,10 @@
 #include "models/code/robots/robot.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numbers>
 
 #include "algorithms/core/errors.h"
@@ -320,15 +322,15 @@ TEST_F(UserRobot, ValuesThatAPrintfWouldReadAreRefused) {
 /// into.
 TEST_F(UserRobot, ANameWithAStrayAmpersandIsRefused) {
   const std::string good = urdf_;
-  for (const std::string kind : {"joint", "link"}) {
+  for (const auto& [joint, link, culprit] :
+       {std::array{"nec&k", "tip", "joint \"nec&k\""}, std::array{"tip_joint", "ti&p", "link \"ti&p\""}}) {
     urdf_ = good;
-    const std::string leaf = kind == "joint" ? "<joint name=\"nec&k\" type=\"fixed\"><parent link=\"trunk\"/><child "
-                                               "link=\"tip\"/></joint><link name=\"tip\"/>"
-                                             : "<joint name=\"neck_\" type=\"fixed\"><parent link=\"trunk\"/><child "
-                                               "link=\"ti&p\"/></joint><link name=\"ti&p\"/>";
-    Replace(urdf_, "</robot>", leaf + "</robot>");
-    EXPECT_THAT(Error(), testing::MatchesRegex("khr1hv.urdf:[0-9]+: " + kind +
-                                               " \"[a-z]+&[a-z]\": not a name in XML; expected &amp; for a & in it"));
+    Replace(urdf_, "</robot>",
+            fmt::format("<joint name=\"{}\" type=\"fixed\"><parent link=\"trunk\"/><child link=\"{}\"/></joint>"
+                        "<link name=\"{}\"/></robot>",
+                        joint, link, link));
+    EXPECT_THAT(Error(), testing::AllOf(testing::ContainsRegex("^khr1hv.urdf:[0-9]+: "),
+                                        HasSubstr(culprit + std::string(": urdfdom reads another name"))));
   }
 }
 
