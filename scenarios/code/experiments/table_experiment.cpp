@@ -71,7 +71,7 @@ const std::vector<ExperimentEntry>& ListExperiments() {
        "gaitcam experiment features oxford/graf oxford/boat --detector sift --detector mobif",
        MakeBlurredFeatures},
       {"localisation", "in which place of a grid a view was taken, by every method",
-       "gaitcam experiment localisation --out results/localisation_seed1.md\n"
+       "gaitcam experiment localisation --seed 3 --seeds 10 --prefilter 0.5 --prefilter 1 --out places.md\n"
        "gaitcam experiment localisation --set localisation.wavelet.prefilter=0.5",
        MakeLocalisationTable},
       {"loops", "which earlier place a view of a walk shows, by every memory of places: precision over recall",

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
 
@@ -81,6 +82,9 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
                                         {"nees --repeats 0", "--repeats: 0 is not permitted"},
                                         {"nees --scene labb", "labb"},
                                         {"localisation --set duration=1", "duration"},
+                                        {"localisation --seeds 0", "--seeds: 0 is not permitted"},
+                                        {"localisation --prefilter wide", "--prefilter: \"wide\" is no number"},
+                                        {"localisation --prefilter 9", "--prefilter: 9 is not permitted"},
                                         {"peers", "at least one folder of a recorded walk"},
                                         {"peers nowhere --system sift_vo", "nowhere"},
                                         {"peers nowhere --system sift_v", "sift_vo"},
@@ -108,6 +112,44 @@ TEST_F(ExperimentProgramTest, ASlipIsOneLineAndExitTwoAndNothingIsWritten) {
     EXPECT_EQ(Lines(result.err), 1) << result.err;
     EXPECT_TRUE(fs::is_empty(temporary_.path())) << words;
   }
+}
+
+TEST_F(ExperimentProgramTest, LocalisationIsWhatRunMeasuresForEachSeedAndGaussian) {
+  std::ofstream(File("places.yaml")) << "robot: khr1hv_pan\nscene: robocup_field\n"
+                                        "path: {head_tilt_rad: 0, settle_s: 0.4}\n"
+                                        "camera: {width_px: 104, height_px: 80, hfov_deg: 56.9, rate_hz: 4, "
+                                        "pitch_deg: 0, exposure_ms: 5, fixed_subframes: 1}\n"
+                                        "localisation: {columns: 2, rows: 2, field_m: [2.7, 1.8], queries: 5, "
+                                        "panorama_width_px: 360, panorama_height_px: 80, methods: [wavelet, fourier], "
+                                        "wavelet: {level: 3}, occlusions: [], lights: [], walk_exposures_ms: []}\n";
+  const std::string cache = "export XDG_CACHE_HOME=$PWD/cache GAITCAM_DATA=" + TestData().string() + "; ";
+  const ProgramResult table = RunShell(cache + Program() +
+                                           " experiment localisation places.yaml --seed 7 --seeds 2 --prefilter 1.5 "
+                                           "--out places/table.md -q",
+                                       temporary_.path());
+  ASSERT_EQ(table.exit_code, 0) << table.err;
+  std::string rows =
+      "seed,method,condition,found_ratio,bearing_error_median_deg,position_error_median_m,"
+      "peak_area_ratio,peak_area_range_ratio,modes\n";
+  for (const int seed : {7, 8}) {
+    for (const std::string method : {"wavelet", "fourier", "wavelet_1.5"}) {
+      const bool is_wider = method.ends_with("1.5");
+      const std::string run = fmt::format(" run places.yaml --seed {} --out {}{} -q {}", seed, method, seed,
+                                          is_wider ? "--set localisation.wavelet.prefilter=1.5" : "");
+      ASSERT_EQ(RunShell(cache + Program() + run, temporary_.path()).exit_code, 0);
+      const nlohmann::json json =
+          nlohmann::json::parse(ReadText(File(fmt::format("{}{}", method, seed)) / "scores.json"));
+      rows += fmt::format("{},{},plain", seed, method);
+      for (const char* score : {"found_ratio", "bearing_error_median_deg", "position_error_median_m", "peak_area_ratio",
+                                "peak_area_range_ratio", "modes"}) {
+        const std::string name = (is_wider ? "wavelet" : method) + "_plain_" + score;
+        rows += fmt::format(",{:.5g}", json["scores"][name].get<double>());
+      }
+      rows += "\n";
+    }
+  }
+  EXPECT_EQ(ReadText(File("places/table.csv")), rows);
+  EXPECT_THAT(ReadText(File("places/table.md")), testing::ContainsRegex("\\| wavelet_1.5 \\| [0-9.]+ \\([0-9.]+ to"));
 }
 
 TEST_F(ExperimentProgramTest, LoopsAsksEveryMemoryAlongARecordedWalkAndLearnsFromOthersOnly) {
