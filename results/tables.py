@@ -9,7 +9,7 @@ A table is filled if a comment stands before it, a mapping in YAML:
 
     <!-- table {show: ate_sim3_rmse_m*1000, rows: system, columns: [gait.preset, camera.exposure_ms]} -->
 
-show     a metric of runs.csv, or several of them; *1000 multiplies it
+show     a metric of runs.csv, or several of them; *1000 multiplies it, /other_metric divides it by another
 rows     axes of runs.csv whose values make a row; the values of each in the order in which runs.csv has them
 columns  axes whose values make a column. Several metrics take the place of one of the two: each has a row or a column
 where    {axis: value}: of the runs with these values alone
@@ -99,9 +99,19 @@ class Rows:
         return sorted(there, key=lambda key: [order.index(value) for order, value in zip(orders, key)])
 
     def by_seed(self, runs, axes, key, metric, factor):
-        """{seed: value, None where it has none} of the runs whose axes have the values of the key."""
+        """{seed: value, None where it has none} of the runs whose axes have the values of the key.
+
+        metric: a column, or "one/other" for the ratio of two
+        """
         runs = [run for run in runs if tuple(run[axis] for axis in axes) == key]
-        return {run["seed"]: float(run[metric]) * factor if run[metric] else None for run in runs}
+        one, _, other = metric.partition("/")
+
+        def value(run):
+            if not run[one] or (other and not float(run[other] or 0)):
+                return None
+            return float(run[one]) / (float(run[other]) if other else 1) * factor
+
+        return {run["seed"]: value(run) for run in runs}
 
 
 def cells(rows, spec):
@@ -112,7 +122,8 @@ def cells(rows, spec):
     if len(shown) > 1 and down and across:
         raise DoesNotFit("several metrics take the place of rows or columns")
     for name, _ in shown:
-        rows.column(name)
+        for part in name.split("/"):
+            rows.column(part)
     decimals = spec.get("decimals")
     decimals = decimals if isinstance(decimals, dict) else dict.fromkeys((name for name, _ in shown), decimals)
 

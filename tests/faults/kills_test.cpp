@@ -27,8 +27,9 @@ using Clock = std::chrono::steady_clock;
 
 struct KilledVerb {
   std::string name, arguments;
-  std::string output;    ///< One of the files that it writes.
-  bool is_long = false;  ///< Left to the long part.
+  std::string output;       ///< One of the files that it writes.
+  bool is_long = false;     ///< Left to the long part.
+  std::string before = "";  ///< Done once, undisturbed, into the folder "recorded" that it then finds; empty: nothing.
 };
 
 const std::vector<KilledVerb>& KilledVerbs() {
@@ -41,6 +42,8 @@ const std::vector<KilledVerb>& KilledVerbs() {
       {"study", "study study.yaml --out study --cache cache", "study/runs.csv", true},
       {"matrix", "record matrix.yaml --out matrix", "matrix/matrix.yaml", true},
       {"check", "check ./suite.yaml --update --cache cache", "baselines/suite.json", true},
+      {"track", "track recorded/walk --system stereo_vo --out tracked.txt", "tracked.txt", false,
+       "record walk.yaml --out recorded"},
   };
   return verbs;
 }
@@ -67,12 +70,29 @@ std::map<std::string, std::string> WhatStays(const fs::path& folder) {
   return files;
 }
 
+/// The folder that holds what is recorded before the verb is killed.
+const fs::path& FolderBefore(const KilledVerb& verb) {
+  static std::map<std::string, TemporaryFolder> folders;
+  const auto [entry, is_new] = folders.try_emplace(verb.name);
+  const fs::path& folder = entry->second.path();
+  if (is_new) {
+    WriteInputs(folder);
+    fs::create_directory(folder / "tmp");
+    int status = 0;
+    waitpid(StartProgram(folder, verb.before, ""), &status, 0);
+    EXPECT_EQ(ExitCode(status), 0) << verb.before;
+  }
+  return folder;
+}
+
 /// A folder with the inputs, and the folder for temporary files in it, where what stays is seen, too.
 class Workplace {
  public:
   explicit Workplace(const KilledVerb& verb) : verb_(verb) {
     WriteInputs(folder_.path());
     fs::create_directory(folder_.path() / "tmp");
+    if (!verb.before.empty())
+      fs::copy(FolderBefore(verb) / "recorded", folder_.path() / "recorded", fs::copy_options::recursive);
   }
 
   /// @param variables of its environment: "NAME=VALUE ..."

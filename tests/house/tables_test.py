@@ -79,6 +79,15 @@ class TablesTest(unittest.TestCase):
 """
         self.assertEqual(self.run_on(text), (0, "", text))
 
+    def test_a_metric_can_be_divided_by_another_and_has_no_value_where_that_is_none(self):
+        text = """<!-- table {show: error_m/jumps*1000, rows: system, columns: exposure, decimals: 2} -->
+| | 10 ms | 20 ms |
+|---|---|---|
+| ours | 0.75 (0.33 to 4.00) | 5.00 (3.33 to 10.00) |
+| theirs | - | - |
+"""
+        self.assertEqual(self.run_on(text), (0, "", text))
+
     def test_than_counts_the_seeds_on_which_a_row_is_the_smaller_one(self):
         text = """<!-- table {show: error_m, rows: system, columns: exposure, than: theirs} -->
 | | 10 ms | 20 ms |
@@ -91,6 +100,7 @@ class TablesTest(unittest.TestCase):
         for mistake, said in (
             ("rows: sytem", "no column sytem"),
             ("show: eror_m", "no column eror_m"),
+            ("show: error_m/jump", "no column jump"),
             ("rows: system, columns: exposure, where: {exposure: 30}", "has exposure 30"),
             ("rows: [system, exposure]", "the table has 2 rows, and the runs make 4"),
             ("rows: system, colums: exposure", "no such key: colums"),
