@@ -12,7 +12,7 @@ A table is filled if a comment stands before it, a mapping in YAML:
 show     a metric of runs.csv, or several of them; *1000 multiplies it, /other_metric divides it by another
 rows     axes of runs.csv whose values make a row; the values of each in the order in which runs.csv has them
 columns  axes whose values make a column. Several metrics take the place of one of the two: each has a row or a column
-where    {axis: value}: of the runs with these values alone
+where    {axis: value}, or {axis: [values]}: of the runs with these values alone
 than     a value of the axis of rows: the cell is on how many seeds the metric is smaller than there
 decimals of each figure, or {metric: decimals}; without it two digits that count, and counts as they are
 from     the file of rows, as seen from the page; without it runs.csv
@@ -86,11 +86,13 @@ class Rows:
         return name
 
     def of(self, where):
-        """The runs with these values."""
-        for axis, value in where.items():
-            if value not in {run[self.column(axis)] for run in self.runs}:
-                raise DoesNotFit(f"no run of {self.path} has {axis} {value}")
-        return [run for run in self.runs if all(run[axis] == value for axis, value in where.items())]
+        """The runs with these values; of each axis there is a list."""
+        for axis, values in where.items():
+            there = {run[self.column(axis)] for run in self.runs}
+            for value in values:
+                if value not in there:
+                    raise DoesNotFit(f"no run of {self.path} has {axis} {value}")
+        return [run for run in self.runs if all(run[axis] in values for axis, values in where.items())]
 
     def keys(self, runs, axes):
         """What values of the axes there are together, in the order of each axis by itself."""
@@ -116,7 +118,7 @@ class Rows:
 
 def cells(rows, spec):
     """What values of the axes of rows make each row (none, if rows are metrics), and its cells."""
-    runs = rows.of({axis: str(value) for axis, value in spec.get("where", {}).items()})
+    runs = rows.of({axis: [str(value) for value in as_list(values)] for axis, values in spec.get("where", {}).items()})
     down, across = as_list(spec.get("rows")), as_list(spec.get("columns"))
     shown = [(name, float(factor or 1)) for name, _, factor in (text.partition("*") for text in as_list(spec["show"]))]
     if len(shown) > 1 and down and across:

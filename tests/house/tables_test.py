@@ -70,6 +70,12 @@ class TablesTest(unittest.TestCase):
 """
         self.assertEqual(self.run_on(text), (0, "", text))
 
+    def test_where_takes_several_values_of_an_axis_and_refuses_one_that_no_run_has(self):
+        whole = BY_EXPOSURE.replace("columns: exposure", "columns: exposure, where: {exposure: [20, 10]}")
+        self.assertEqual(self.run_on(whole), (0, "", whole))
+        more = BY_EXPOSURE.replace("columns: exposure", "columns: exposure, where: {exposure: [10, 20, 30]}")
+        self.assertEqual(self.run_on(more)[0], 2)
+
     def test_metrics_can_be_rows(self):
         text = """<!-- table {show: [error_m*1000, jumps], columns: system, where: {exposure: 20}} -->
 | | ours | theirs |
@@ -131,7 +137,7 @@ class TablesTest(unittest.TestCase):
         )
         rows = tables.Rows(self.page.parent / "runs.csv")
         self.assertEqual(rows.keys(rows.runs, ["system"]), [("{name: ours, fast: true}",), ("theirs",)])
-        self.assertEqual(rows.keys(rows.of({"width": "640"}), ["system"]), [("theirs",)])
+        self.assertEqual(rows.keys(rows.of({"width": ["640"]}), ["system"]), [("theirs",)])
 
 
 class PagesTest(unittest.TestCase):
