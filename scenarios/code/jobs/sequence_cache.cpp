@@ -9,6 +9,7 @@
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/trajectory_file.h"
 #include "scenarios/code/files/versions.h"
+#include "scenarios/code/runs/cache_entry.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/recorder.h"
 #include "scenarios/code/runs/renderer_record.h"
@@ -16,24 +17,6 @@
 
 namespace gaitcam {
 namespace fs = std::filesystem;
-namespace {
-
-constexpr const char* kAbout = "sequence.json";  // written last: an entry that has it is complete
-
-/// The lock lies beside the entry, so that it outlives the entry's removal.
-fs::path LockOf(const fs::path& entry) { return entry.string() + ".lock"; }
-
-uintmax_t SizeOf(const fs::path& folder) {
-  uintmax_t bytes = 0;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    std::error_code gone;
-    if (it->is_regular_file(gone)) bytes += it->file_size(gone);
-  }
-  return bytes;
-}
-
-}  // namespace
 
 Trajectory CachedSequence::Truth() const {
   return ReadTrajectory(folders.truth / "groundtruth.txt", TrajectoryFormat::kTum).trajectory;
@@ -65,19 +48,19 @@ std::optional<CachedSequence> SequenceCache::Get(const ResolvedScenario& resolve
       return sequence;
     }
     Prune();
-    const FileLock alone(LockOf(entry), FileLock::Kind::kExclusive);
-    if (fs::exists(entry / kAbout)) continue;  // another process has recorded it meanwhile
+    const FileLock alone(CacheEntryLock(entry), FileLock::Kind::kExclusive);
+    if (fs::exists(entry / kCacheEntryAbout)) continue;  // another process has recorded it meanwhile
     if (!Record(resolved, entry, quiet, interrupted)) return std::nullopt;
   }
 }
 
 std::optional<CachedSequence> SequenceCache::Open(const fs::path& entry) const {
-  FileLock lock(LockOf(entry), FileLock::Kind::kShared);
-  std::ifstream stream(entry / kAbout);
+  FileLock lock(CacheEntryLock(entry), FileLock::Kind::kShared);
+  std::ifstream stream(entry / kCacheEntryAbout);
   if (!stream) return std::nullopt;
   const nlohmann::json about = nlohmann::json::parse(stream, nullptr, false);
-  if (about.is_discarded()) throw BadInput((entry / kAbout).string() + ": damaged; remove this folder");
-  fs::last_write_time(entry / kAbout, fs::file_time_type::clock::now());  // for the order of removal
+  if (about.is_discarded()) throw BadInput((entry / kCacheEntryAbout).string() + ": damaged; remove this folder");
+  fs::last_write_time(entry / kCacheEntryAbout, fs::file_time_type::clock::now());  // for the order of removal
   return CachedSequence{DatasetFolders::In(entry, "sequence"),
                         about.at("status"),
                         about.at("end_time_s"),
@@ -107,7 +90,8 @@ bool SequenceCache::Record(const ResolvedScenario& resolved, const fs::path& ent
                                {"distance_m", outcome.distance_m},
                                {"frames", outcome.frames}};
   WriteRenderer(outcome.renderer, about);
-  folder.WriteText(kAbout, about.dump(2) + "\n");
+  NoteCacheEntrySize(folder);
+  folder.WriteText(kCacheEntryAbout, about.dump(2) + "\n");
   folder.Commit();
   return true;
 }
@@ -123,15 +107,15 @@ void SequenceCache::Prune() const {
   double total = 0;
   for (const auto& item : fs::directory_iterator(folder_)) {
     std::error_code gone;
-    const auto used = fs::last_write_time(item.path() / kAbout, gone);
+    const auto used = fs::last_write_time(item.path() / kCacheEntryAbout, gone);
     if (gone) continue;
-    entries.push_back({used, SizeOf(item.path()), item.path()});
+    entries.push_back({used, CacheEntrySize(item.path()), item.path()});
     total += double(entries.back().bytes);
   }
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.used < b.used; });
   for (const Entry& entry : entries) {
     if (total <= max_gb_ * 1e9) return;
-    FileLock::TryExclusive(LockOf(entry.folder), [&] {
+    FileLock::TryExclusive(CacheEntryLock(entry.folder), [&] {
       std::error_code ignored;
       fs::remove_all(entry.folder, ignored);
       total -= double(entry.bytes);

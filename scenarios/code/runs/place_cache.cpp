@@ -9,6 +9,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/io/checksum.h"
 #include "scenarios/code/files/versions.h"
+#include "scenarios/code/runs/cache_entry.h"
 #include "scenarios/code/runs/file_lock.h"
 #include "scenarios/code/runs/output_folder.h"
 #include "scenarios/code/runs/renderer_record.h"
@@ -20,9 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr const char* kAbout = "sequence.json";  // as recorded walks have it: their cache then removes these as well
-
-fs::path LockOf(const fs::path& entry) { return entry.string() + ".lock"; }
 std::string PanoramaName(size_t i) { return fmt::format("panorama_{:04}.png", i); }
 std::string ImageName(size_t i) { return fmt::format("image_{:05}.png", i); }
 std::string ViewName(size_t i) { return fmt::format("view_{:05}.png", i); }
@@ -79,7 +77,8 @@ void WriteAll(const PlaceViews& views, const OutputFolder& folder) {
     WriteImage(folder.path() / ImageName(i), views.queries[i].image);
     WriteImage(folder.path() / ViewName(i), views.queries[i].view);
   }
-  folder.WriteText(kAbout, about.dump());
+  NoteCacheEntrySize(folder);
+  folder.WriteText(kCacheEntryAbout, about.dump());
 }
 
 }  // namespace
@@ -94,13 +93,13 @@ PlaceCache::PlaceCache(const fs::path& folder, const ResolvedScenario& resolved)
 }
 
 std::optional<PlaceViews> PlaceCache::Read() const {
-  if (entry_.empty() || !fs::exists(entry_ / kAbout)) return std::nullopt;
-  const FileLock lock(LockOf(entry_), FileLock::Kind::kShared);
-  std::ifstream stream(entry_ / kAbout);
+  if (entry_.empty() || !fs::exists(entry_ / kCacheEntryAbout)) return std::nullopt;
+  const FileLock lock(CacheEntryLock(entry_), FileLock::Kind::kShared);
+  std::ifstream stream(entry_ / kCacheEntryAbout);
   if (!stream) return std::nullopt;  // removed meanwhile
   const Json about = Json::parse(stream, nullptr, false);
-  if (about.is_discarded()) throw BadInput((entry_ / kAbout).string() + ": damaged; remove this folder");
-  fs::last_write_time(entry_ / kAbout, fs::file_time_type::clock::now());  // used just now
+  if (about.is_discarded()) throw BadInput((entry_ / kCacheEntryAbout).string() + ": damaged; remove this folder");
+  fs::last_write_time(entry_ / kCacheEntryAbout, fs::file_time_type::clock::now());  // used just now
   PlaceViews views;
   views.layout = {about["layout"][0], about["layout"][1], about["layout"][2], about["layout"][3]};
   views.view_width_px = about["view_width_px"];
@@ -120,9 +119,9 @@ std::optional<PlaceViews> PlaceCache::Read() const {
 void PlaceCache::Write(const PlaceViews& views) const {
   if (entry_.empty()) return;
   try {
-    const FileLock lock(LockOf(entry_), FileLock::Kind::kExclusive);
+    const FileLock lock(CacheEntryLock(entry_), FileLock::Kind::kExclusive);
     RemoveUnfinished(entry_);
-    OutputFolder folder(entry_, kAbout);
+    OutputFolder folder(entry_, kCacheEntryAbout);
     WriteAll(views, folder);
     folder.Commit();
   } catch (const MissingResource&) {  // a full disk: the next run renders again

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "algorithms/core/errors.h"
+#include "scenarios/code/runs/cache_entry.h"
 #include "sim/camera/egl_context.h"
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
@@ -100,6 +101,12 @@ TEST_F(ExecutorTest, AnInterruptLeavesNothingHalfWritten) {
   EXPECT_EQ(ExecuteLocally({Item("seed: 5\n")}, options_).done, 1);
 }
 
+uintmax_t BytesBelow(const fs::path& folder) {
+  uintmax_t sum = 0;
+  for (const auto& e : fs::recursive_directory_iterator(folder)) sum += e.is_regular_file() ? e.file_size() : 0;
+  return sum;
+}
+
 TEST_F(ExecutorTest, TheCacheForgetsWhatWasUsedLongestAgoWhenItIsFull) {
   const auto never = [] { return false; };
   const SequenceCache large(options_.cache);
@@ -107,16 +114,24 @@ TEST_F(ExecutorTest, TheCacheForgetsWhatWasUsedLongestAgoWhenItIsFull) {
   const fs::path second = large.Get(Scenario("seed: 2\n"), true, never)->folders.sensors;
   EXPECT_TRUE(large.Get(Scenario("seed: 1\n"), true, never)->was_there);  // the second is the older one now
   SequenceCacheOptions small = options_.cache;
-  const uintmax_t bytes = [&] {
-    uintmax_t sum = 0;
-    for (const auto& e : fs::recursive_directory_iterator(first.parent_path()))
-      sum += e.is_regular_file() ? e.file_size() : 0;
-    return sum;
-  }();
+  const uintmax_t bytes = BytesBelow(first.parent_path());
   small.max_gb = 1.5e-9 * double(bytes);
   EXPECT_FALSE(SequenceCache(small).Get(Scenario("seed: 3\n"), true, never)->was_there);
   EXPECT_TRUE(fs::exists(first));
   EXPECT_FALSE(fs::exists(second));
+}
+
+/// A study of thousands of walks did little else than look at the files of those that were there.
+TEST_F(ExecutorTest, WhatAnEntryOfTheCacheTakesIsNotedInItOnce) {
+  const auto never = [] { return false; };
+  const fs::path entry =
+      SequenceCache(options_.cache).Get(Scenario("seed: 1\n"), true, never)->folders.sensors.parent_path();
+  const uintmax_t about_and_note = fs::file_size(entry / kCacheEntryAbout) + fs::file_size(entry / "bytes");
+  EXPECT_EQ(CacheEntrySize(entry), BytesBelow(entry) - about_and_note);
+  std::ofstream(entry / "more") << std::string(1000, ' ');
+  EXPECT_EQ(CacheEntrySize(entry), BytesBelow(entry) - about_and_note - 1000) << "files are not looked at again";
+  std::ofstream(entry / "bytes") << "none";
+  EXPECT_EQ(CacheEntrySize(entry), BytesBelow(entry)) << "nor was there a note in those of older programs";
 }
 
 TEST_F(ExecutorTest, HowARendererWasChosenIsNoReasonToRenderAgain) {
