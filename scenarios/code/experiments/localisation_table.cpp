@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -103,7 +104,7 @@ class LocalisationTable : public ExperimentOf<LocalisationTableOptions> {
                const std::string& suffix) {
     RunOptions run;
     run.out = folder;
-    run.quiet = setup.quiet;
+    run.quiet = setup.quiet || !suffix.empty();  // its pictures are there
     run.cache = DefaultCacheFolder();
     const RunOutcome outcome = RunLocalisation(resolved, run);
     if (!outcome.scores) throw TooLittleData(outcome.no_scores_reason);
