@@ -5,12 +5,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <vector>
 
 #include "algorithms/core/errors.h"
 #include "algorithms/core/fields.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/image_file.h"
 #include "algorithms/io/text_table.h"
 
@@ -23,11 +22,7 @@ constexpr double kNotUnit = 1e-3;  // calibrations by others have six digits or 
 class YamlMap {
  public:
   explicit YamlMap(const std::filesystem::path& file) : file_(file.string()) {
-    std::ifstream stream(file);
-    if (!stream || std::filesystem::is_directory(file)) throw BadInput(file_ + ": cannot read this file");
-    std::ostringstream buffer;
-    buffer << stream.rdbuf();
-    std::string text = buffer.str();
+    std::string text = FileContent(file);
     if (text.rfind("%YAML", 0) == 0) text[0] = '#';  // OpenCV's "%YAML:1.0" is not YAML; as a comment it does no harm
     try {
       node_ = YAML::Load(text);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/png_encoder.h"
 
 namespace gaitcam {
@@ -26,12 +27,12 @@ void WriteBytes(const std::filesystem::path& file, const std::vector<uint8_t>& b
 }
 
 cv::Mat ReadEncoded(const std::filesystem::path& file, const std::string& listed_at) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file)) Fail(file, "cannot read this file", listed_at);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   cv::Mat image;
   try {
-    if (!bytes.empty()) image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    const std::string bytes = FileContent(file);
+    if (!bytes.empty()) image = cv::imdecode(cv::_InputArray(bytes.data(), int(bytes.size())), cv::IMREAD_UNCHANGED);
+  } catch (const BadInput&) {
+    Fail(file, "cannot read this file", listed_at);
   } catch (const cv::Exception&) {
     image.release();
   }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/image_file.h"
 #include "algorithms/io/text_table.h"
 #include "algorithms/io/whole_file.h"
@@ -49,9 +50,7 @@ T Required(const fs::path& file, const YAML::Node& root, const std::string& key,
 YAML::Node Load(const fs::path& file) {
   YAML::Node root;
   try {
-    root = YAML::LoadFile(file.string());
-  } catch (const YAML::BadFile&) {
-    throw BadInput(file.string() + ": cannot read this file");
+    root = YAML::Load(FileContent(file));
   } catch (const YAML::ParserException& e) {
     throw BadInput(file.string() + ":" + std::to_string(e.mark.line + 1) + ": not valid YAML: " + e.msg);
   }

@@ -3,13 +3,13 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/core/json_whole.h"
 #include "algorithms/core/se3.h"
 #include "algorithms/io/checksum.h"
@@ -229,12 +229,6 @@ MappedView TakeView(const Json& size, Bytes& bytes) {
   return view;
 }
 
-std::string ReadBytes(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file)) throw BadInput(file.string() + ": cannot be read");
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// What lies between the first line and the checksum. @throws BadInput without the file's name.
 std::string_view Checked(std::string_view bytes) {
   constexpr std::string_view kAnyVersion = "gaitcam route map ";
@@ -288,7 +282,7 @@ void WriteRouteMap(const std::filesystem::path& file, const RouteMap& map) {
 }
 
 RouteMap ReadRouteMap(const std::filesystem::path& file) {
-  const std::string bytes = ReadBytes(file);
+  const std::string bytes = FileContent(file);
   try {
     return MapIn(Checked(bytes));
   } catch (const BadInput& e) {

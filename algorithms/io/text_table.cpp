@@ -57,6 +57,7 @@ bool TextTable::Next() {
     fields_ = Split(row, separator_);
     return true;
   }
+  if (stream_.bad()) throw BadInput(file_.string() + ": reading broke off after line " + std::to_string(line_));
   fields_.clear();
   return false;
 }

@@ -1,12 +1,13 @@
 #include "results/scoring/baseline.h"
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/core/json_whole.h"
 
 namespace gaitcam {
@@ -115,12 +116,10 @@ std::string BaselineToJson(const Baseline& baseline) {
 }
 
 Baseline ReadBaseline(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream || std::filesystem::is_directory(file)) {
-    throw BadInput(file.string() + ": there is no such baseline; --update writes one");
-  }
+  const std::optional<std::string> text = FindFileContent(file);
+  if (!text) throw BadInput(file.string() + ": there is no such baseline; --update writes one");
   try {
-    const Json json = Json::parse(stream);
+    const Json json = Json::parse(*text);
     const std::string schema = json.at("schema").get<std::string>();
     if (schema != kSchema) {
       throw BadInput("schema \"" + schema + "\", where this program reads \"" + kSchema +

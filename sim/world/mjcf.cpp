@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <initializer_list>
 #include <iterator>
 #include <map>
@@ -12,6 +11,7 @@
 #include <set>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "models/code/people/person_shape.h"
 #include "sim/world/world.h"
 
@@ -436,12 +436,11 @@ class MjcfWriter {
     const std::string key = shape.mesh.string() + " " + Text(shape.size);
     const auto [found, is_new] = mesh_names_.emplace(key, fmt::format("mesh{}", mesh_names_.size()));
     if (!is_new) return found->second;
-    std::ifstream stream(shape.mesh, std::ios::binary);
-    if (!stream) throw BadInput(shape.mesh.string() + ": cannot read this mesh file");
     std::string extension = shape.mesh.extension().string();
     for (char& c : extension) c = char(std::tolower(c));
     const std::string file = found->second + extension;
-    AddFile(file, {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()});
+    const std::string bytes = FileContent(shape.mesh);
+    AddFile(file, {bytes.begin(), bytes.end()});
     Add(assets_, "mesh", {{"name", found->second}, {"file", file}, {"scale", Text(shape.size)}});
     return found->second;
   }

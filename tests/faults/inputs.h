@@ -11,7 +11,10 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/scenarios/program.h"
 #include "tests/temporary_folder.h"
@@ -73,17 +76,41 @@ inline std::map<std::string, std::string> FilesBelow(const fs::path& folder) {
   return files;
 }
 
-/// Names of files that are not in both as they are in the other, on a line each.
+/// Without what the clock and the machine's memory have their say in, and what a program says while it works.
+inline std::map<std::string, std::string> WhatStays(const fs::path& folder) {
+  std::map<std::string, std::string> files = FilesBelow(folder);
+  static const std::set<std::string> of_time = {"timings.csv", "tracking.csv"};
+  for (auto it = files.begin(); it != files.end();) {
+    const fs::path name = it->first;
+    if (of_time.count(name.filename()) != 0 || name.parent_path().filename() == "log") {
+      it = files.erase(it);
+      continue;
+    }
+    std::istringstream lines(it->second);
+    std::string kept;
+    for (std::string line; std::getline(lines, line);) {
+      const auto has = [&](const char* word) { return line.find(word) != std::string::npos; };
+      if (!has("track_ms") && !has("peak_memory") && !has("Tracking time")) kept += line + "\n";
+    }
+    it->second = kept;
+    ++it;
+  }
+  return files;
+}
+
+/// Names of files that are not in both as they are in the other, on a line each; the first ten.
 inline std::string Changed(const std::map<std::string, std::string>& before,
                            const std::map<std::string, std::string>& after) {
-  std::string changed;
+  std::vector<std::string> names;
   for (const auto& [name, content] : before) {
-    if (after.count(name) == 0 || after.at(name) != content) changed += name + "\n";
+    if (after.count(name) == 0 || after.at(name) != content) names.push_back(name);
   }
   for (const auto& [name, content] : after) {
-    if (before.count(name) == 0) changed += name + "\n";
+    if (before.count(name) == 0) names.push_back(name);
   }
-  return changed;
+  std::string changed;
+  for (size_t i = 0; i < std::min<size_t>(names.size(), 10); ++i) changed += names[i] + "\n";
+  return changed + (names.size() > 10 ? "and " + std::to_string(names.size() - 10) + " more\n" : "");
 }
 
 }  // namespace gaitcam

@@ -12,7 +12,6 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <set>
 #include <thread>
 
 #include "algorithms/core/random.h"
@@ -46,28 +45,6 @@ const std::vector<KilledVerb>& KilledVerbs() {
        "record walk.yaml --out recorded"},
   };
   return verbs;
-}
-
-/// Without what the clock and the machine's memory have their say in, and what a program says while it works.
-std::map<std::string, std::string> WhatStays(const fs::path& folder) {
-  std::map<std::string, std::string> files = FilesBelow(folder);
-  static const std::set<std::string> of_time = {"timings.csv", "tracking.csv"};
-  for (auto it = files.begin(); it != files.end();) {
-    const fs::path name = it->first;
-    if (of_time.count(name.filename()) != 0 || name.parent_path().filename() == "log") {
-      it = files.erase(it);
-      continue;
-    }
-    std::istringstream lines(it->second);
-    std::string kept;
-    for (std::string line; std::getline(lines, line);) {
-      const auto has = [&](const char* word) { return line.find(word) != std::string::npos; };
-      if (!has("track_ms") && !has("peak_memory") && !has("Tracking time")) kept += line + "\n";
-    }
-    it->second = kept;
-    ++it;
-  }
-  return files;
 }
 
 /// The folder that holds what is recorded before the verb is killed.

@@ -7,14 +7,13 @@
 
 #include <Eigen/Eigenvalues>
 #include <cstring>
-#include <fstream>
 #include <mutex>
 #include <numbers>
 #include <set>
-#include <sstream>
 
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/core/file_names.h"
 
 namespace gaitcam {
@@ -69,12 +68,7 @@ class UrdfReader {
   }
 
   void LoadXml() {
-    std::ifstream stream(file_);
-    if (!stream || std::filesystem::is_directory(file_))
-      throw BadInput(file_.string() + ": cannot read this URDF file");
-    std::ostringstream text;
-    text << stream.rdbuf();
-    text_ = text.str();
+    text_ = FileContent(file_);
     document_.Parse(text_.c_str());
     if (document_.Error()) {
       throw BadInput(

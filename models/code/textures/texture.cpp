@@ -3,6 +3,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
+#include "algorithms/core/file_content.h"
 #include "algorithms/core/file_names.h"
 #include "models/code/textures/floor_textures.h"
 #include "models/code/textures/picture_textures.h"
@@ -76,7 +77,9 @@ cv::Mat ReadImageFile(const TextureOptions& o, const std::filesystem::path& fold
   if (o.file.empty()) throw BadInput("file: missing; a texture of kind image needs the name of a picture file");
   const std::filesystem::path path = PictureFile(o, folder);
   if (!IsFile(path)) throw BadInput("file: " + path.string() + ": no such picture file");
-  cv::Mat image = cv::imread(path.string(), cv::IMREAD_COLOR);
+  const std::string bytes = FileContent(path);
+  cv::Mat image;
+  if (!bytes.empty()) image = cv::imdecode(cv::_InputArray(bytes.data(), int(bytes.size())), cv::IMREAD_COLOR);
   if (image.empty()) throw BadInput("file: " + path.string() + ": not a picture that can be read (PNG, JPEG, ...)");
   return image;
 }

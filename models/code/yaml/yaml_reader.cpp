@@ -3,10 +3,10 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
-#include <fstream>
 #include <sstream>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 
 namespace gaitcam {
 namespace {
@@ -91,13 +91,7 @@ void CheckOneDocument(const std::string& text, const OptionOrigin& origin) {
 
 }  // namespace
 
-OptionValue LoadYaml(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream || std::filesystem::is_directory(file)) throw BadInput(file.string() + ": cannot read this file");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return ParseYaml(text.str(), file.string());
-}
+OptionValue LoadYaml(const std::filesystem::path& file) { return ParseYaml(FileContent(file), file.string()); }
 
 OptionValue ParseYaml(const std::string& text, const std::string& name) {
   OptionOrigin origin;

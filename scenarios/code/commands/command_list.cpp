@@ -1,12 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
 #include "algorithms/core/field_list.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/slam/system.h"
 #include "models/code/robots/robot.h"
 #include "models/code/scenes/scene.h"
@@ -63,10 +64,9 @@ Json JsonOf(const Robot& robot) {
 
 /// What a file's opening comment says, as one line. @throws BadInput.
 std::string OpeningComment(const fs::path& file) {
-  std::ifstream stream(file);
+  std::istringstream stream(FileContent(file));
   std::string text, line;
   while (std::getline(stream, line) && line.starts_with("# ")) text += (text.empty() ? "" : " ") + line.substr(2);
-  if (!stream.is_open() || stream.bad()) throw BadInput(file.string() + ": cannot read this file");
   return text;
 }
 

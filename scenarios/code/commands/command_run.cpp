@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
-#include <fstream>
-#include <sstream>
-
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "results/scoring/score_text.h"
 #include "scenarios/code/commands/commands.h"
 #include "scenarios/code/commands/summary.h"
@@ -14,12 +12,6 @@
 
 namespace gaitcam {
 namespace {
-
-std::string ReadText(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 /// The report's file comes after the scores, and what went wrong comes last.
 void PrintOutcome(const RunOutcome& outcome, bool all, const std::string& system) {
@@ -65,7 +57,7 @@ int RunCommand(const RunArguments& arguments, const CommonOptions& common) {
     if (!written) return 130;
   }
   if (common.json) {
-    fmt::print("{}", ReadText(outcome.folder / "scores.json"));
+    fmt::print("{}", FileContent(outcome.folder / "scores.json"));
   } else if (!common.quiet) {
     PrintOutcome(outcome, arguments.all, scenario.system.name);
   }

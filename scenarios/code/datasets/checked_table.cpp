@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <set>
+#include <sstream>
 
+#include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/text_table.h"
 
 namespace gaitcam {
@@ -40,9 +42,11 @@ std::string Problem::ToText() const {
 CheckedTable::CheckedTable(std::filesystem::path file, char separator, size_t columns, Problems& problems,
                            bool names_columns)
     : file_(std::move(file)), problems_(problems) {
-  std::ifstream stream(file_, std::ios::binary);
-  was_read_ = bool(stream) && !std::filesystem::is_directory(file_);
-  if (!was_read_) {
+  std::istringstream stream;
+  try {
+    stream.str(FileContent(file_));
+    was_read_ = true;
+  } catch (const BadInput&) {
     FailWhole("cannot read this file");
     return;
   }

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
+#include <sstream>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/calibration_file.h"
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/program_settings.h"
@@ -245,7 +246,7 @@ void WriteDatasetFiles(const fs::path& out, const RecordMatrix& matrix, const st
     sums += Sha256OfFile(out / name) + "  " + name + "\n";
   for (const SequenceRecord& r : records) {
     const fs::path file = SumsOf(out / "sequences", r.name);
-    std::ifstream stream(file);
+    std::istringstream stream(FileContent(file));
     for (std::string row; std::getline(stream, row);) sums += row.substr(0, 66) + "sequences/" + row.substr(66) + "\n";
     sums += Sha256OfFile(file) + "  sequences/" + r.name + "-truth/" + file.filename().string() + "\n";
   }

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
+#include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/text_table.h"
 
 namespace gaitcam {
@@ -92,9 +92,12 @@ struct ListedStamps {
 }  // namespace
 
 std::string FaultOfImage(const fs::path& file, ImageKind kind, const CameraModel& camera, uint64_t* content) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || fs::is_directory(file)) return "there is no such file";
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  std::string bytes;
+  try {
+    bytes = FileContent(file);
+  } catch (const BadInput&) {
+    return fs::is_regular_file(file) ? "cannot be read" : "there is no such file";
+  }
   if (bytes.empty()) return "is empty";
   if (file.extension() == ".png") {
     const std::string fault = FaultOfPng(bytes);

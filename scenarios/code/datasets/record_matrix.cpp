@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <fstream>
 #include <iterator>
 #include <set>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/whole_file.h"
 #include "models/code/yaml/yaml_reader.h"
@@ -224,9 +224,8 @@ RecordMatrix ReadMatrix(const fs::path& file, const MatrixChanges& changes, bool
   matrix.experiment = ResolveExperiment(root, matrix.options, yes);
   CheckConditions(root, matrix);
   matrix.sequences = PlanSequences(matrix.experiment);
-  std::ifstream stream(file, std::ios::binary);
   matrix.changes = WordsOf(changes);
-  matrix.text.assign(std::istreambuf_iterator<char>(stream), {});
+  matrix.text = FileContent(file);
   return matrix;
 }
 

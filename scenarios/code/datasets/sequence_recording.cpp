@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/whole_file.h"
 #include "models/code/yaml/yaml_writer.h"
@@ -157,9 +157,8 @@ std::optional<SequenceRecord> FindSequence(const fs::path& folder, const std::st
     return std::nullopt;
   }
   const fs::path file = folders.truth / kRecord;
-  std::ifstream stream(file);
   try {
-    return FromJson(nlohmann::json::parse(stream));
+    return FromJson(nlohmann::json::parse(FindFileContent(file).value_or("")));
   } catch (const nlohmann::json::exception&) {
     throw BadInput(file.string() + ": missing or damaged; remove " + folders.sensors.string() +
                    " to have this sequence recorded again");

@@ -6,9 +6,10 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <optional>
 #include <sstream>
 
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/calibration_file.h"
 #include "algorithms/io/program_settings.h"
 #include "algorithms/io/text_table.h"
@@ -17,7 +18,8 @@ namespace gaitcam {
 namespace fs = std::filesystem;
 namespace {
 
-std::vector<std::string> Lines(std::istream& stream) {
+std::vector<std::string> Lines(const std::string& text) {
+  std::istringstream stream(text);
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
@@ -46,10 +48,9 @@ bool SameButRounding(const std::string& a, const std::string& b) {
 
 /// The first line that differs; nothing where none does.
 std::optional<Problem> FirstDifference(const fs::path& file, const std::string& expected) {
-  std::ifstream stream(file);
-  if (!stream) return Problem{file, 0, "there is no such file; a recording holds these settings for other programs"};
-  std::istringstream expected_stream(expected);
-  const std::vector<std::string> is = Lines(stream), should_be = Lines(expected_stream);
+  const std::optional<std::string> text = FindFileContent(file);
+  if (!text) return Problem{file, 0, "there is no such file; a recording holds these settings for other programs"};
+  const std::vector<std::string> is = Lines(*text), should_be = Lines(expected);
   for (size_t i = 0; i < std::max(is.size(), should_be.size()); ++i) {
     const std::string here = i < is.size() ? is[i] : "", there = i < should_be.size() ? should_be[i] : "";
     if (SameButRounding(here, there)) continue;

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/core/median.h"
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/covariance_file.h"
@@ -193,10 +193,10 @@ std::optional<JobRecord> FindJob(const fs::path& runs, const ResolvedScenario& r
 std::optional<JobRecord> FindJob(const fs::path& runs, const std::string& hash,
                                  const std::string& program_fingerprint) {
   const fs::path file = runs / hash / "job.json";
-  std::ifstream stream(file);
-  if (!stream) return std::nullopt;
+  const std::optional<std::string> text = FindFileContent(file);
+  if (!text) return std::nullopt;
   try {
-    const nlohmann::json json = nlohmann::json::parse(stream);
+    const nlohmann::json json = nlohmann::json::parse(*text);
     if (json.at("schema") != kSchema || json.at("program") != program_fingerprint) return std::nullopt;
     return FromJson(json);
   } catch (const nlohmann::json::exception& e) {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/checksum.h"
 #include "algorithms/io/trajectory_file.h"
 #include "scenarios/code/files/versions.h"
@@ -56,9 +56,9 @@ std::optional<CachedSequence> SequenceCache::Get(const ResolvedScenario& resolve
 
 std::optional<CachedSequence> SequenceCache::Open(const fs::path& entry) const {
   FileLock lock(CacheEntryLock(entry), FileLock::Kind::kShared);
-  std::ifstream stream(entry / kCacheEntryAbout);
-  if (!stream) return std::nullopt;
-  const nlohmann::json about = nlohmann::json::parse(stream, nullptr, false);
+  const std::optional<std::string> text = FindFileContent(entry / kCacheEntryAbout);
+  if (!text) return std::nullopt;
+  const nlohmann::json about = nlohmann::json::parse(*text, nullptr, false);
   if (about.is_discarded()) throw BadInput((entry / kCacheEntryAbout).string() + ": damaged; remove this folder");
   fs::last_write_time(entry / kCacheEntryAbout, fs::file_time_type::clock::now());  // for the order of removal
   return CachedSequence{DatasetFolders::In(entry, "sequence"),

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include "algorithms/core/did_you_mean.h"
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "models/code/yaml/yaml_reader.h"
 #include "models/code/yaml/yaml_writer.h"
 #include "results/scoring/score_catalogue.h"
@@ -176,9 +175,7 @@ Study ReadStudy(const fs::path& file, bool yes) {
   AddMetrics(root, study);
   AddRuns(study);
   CheckPlans(root, study.experiment);
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  study.text = text.str();
+  study.text = FileContent(file);
   return study;
 }
 

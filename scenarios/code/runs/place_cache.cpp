@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/checksum.h"
 #include "scenarios/code/files/versions.h"
 #include "scenarios/code/runs/cache_entry.h"
@@ -95,9 +95,9 @@ PlaceCache::PlaceCache(const fs::path& folder, const ResolvedScenario& resolved)
 std::optional<PlaceViews> PlaceCache::Read() const {
   if (entry_.empty() || !fs::exists(entry_ / kCacheEntryAbout)) return std::nullopt;
   const FileLock lock(CacheEntryLock(entry_), FileLock::Kind::kShared);
-  std::ifstream stream(entry_ / kCacheEntryAbout);
-  if (!stream) return std::nullopt;  // removed meanwhile
-  const Json about = Json::parse(stream, nullptr, false);
+  const std::optional<std::string> text = FindFileContent(entry_ / kCacheEntryAbout);
+  if (!text) return std::nullopt;  // removed meanwhile
+  const Json about = Json::parse(*text, nullptr, false);
   if (about.is_discarded()) throw BadInput((entry_ / kCacheEntryAbout).string() + ": damaged; remove this folder");
   fs::last_write_time(entry_ / kCacheEntryAbout, fs::file_time_type::clock::now());  // used just now
   PlaceViews views;

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/dataset_writer.h"
 #include "algorithms/io/trajectory_file.h"
 #include "scenarios/code/systems/foreign_words.h"
@@ -300,7 +300,7 @@ int64_t StampOf(const std::string& text) {
 
 TrajectoryFile ReadKeyFrames(const fs::path& output) {
   const fs::path file = FindKeyFrames(output);
-  std::ifstream stream(file);
+  std::istringstream stream(FileContent(file));
   TrajectoryFile result;
   int line = 0;
   std::string stamp;

@@ -142,8 +142,8 @@ TEST_F(RouteMapFile, OfAnotherKindOrVersionIsRefused) {
   EXPECT_NE(ErrorWith(other).find("another version; expected 1"), std::string::npos);
   EXPECT_NE(ErrorWith("stamp_ns,x\n").find("no route map"), std::string::npos);
   EXPECT_NE(ErrorWith("").find("no route map"), std::string::npos);
-  EXPECT_NE(ErrorOf([&] { ReadRouteMap(folder_ / "none.map"); }).find("cannot be read"), std::string::npos);
-  EXPECT_NE(ErrorOf([&] { ReadRouteMap(folder_); }).find("cannot be read"), std::string::npos);
+  EXPECT_NE(ErrorOf([&] { ReadRouteMap(folder_ / "none.map"); }).find("cannot read this file"), std::string::npos);
+  EXPECT_NE(ErrorOf([&] { ReadRouteMap(folder_); }).find("cannot read this file"), std::string::npos);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "algorithms/core/errors.h"
 #include "algorithms/core/random.h"
 
 namespace gaitcam {
@@ -56,6 +57,11 @@ TEST(ExactText, DoublesComeBackToTheBit) {
     const double value = random.Normal() * std::pow(10.0, random.Uniform(-30, 30));
     EXPECT_EQ(std::stod(ExactText(value)), value);
   }
+}
+
+TEST(TextTable, AFileThatCannotBeReadToItsEndIsNotTakenForAShortOne) {
+  TextTable table("/proc/self/mem", ' ');  // opens, and cannot be read: nothing is at address 0
+  EXPECT_THROW(table.Next(), BadInput);
 }
 
 }  // namespace

@@ -345,7 +345,7 @@ TEST_F(UserRobot, BrokenFilesAreNamed) {
   EXPECT_THAT(Error(), testing::AllOf(HasSubstr("khr1hv.urdf: "), HasSubstr("mass")));
   urdf_ = good;
   Replace(yaml_, "urdf: khr1hv.urdf", "urdf: other.urdf");
-  EXPECT_EQ(Error(), "other.urdf: cannot read this URDF file");
+  EXPECT_EQ(Error(), "other.urdf: cannot read this file");
 }
 
 }  // namespace
