@@ -113,7 +113,9 @@ void ExpectFlat(const Soaked& soaked, double growth_mb) {
                 held.descriptors, held.processes, held.temporary);
   }
   const Held late = InQuarter(soaked.looks, 3);
-  if (kSeesMemory) EXPECT_LE(late.memory_mb, InQuarter(soaked.looks, 1).memory_mb + growth_mb);
+  if (kSeesMemory) {
+    EXPECT_LE(late.memory_mb, InQuarter(soaked.looks, 1).memory_mb + growth_mb);
+  }
   ExpectCountsWithin(late, {soaked.looks.begin(), soaked.looks.begin() + std::ptrdiff_t(soaked.looks.size() / 2)});
 }
 
@@ -148,7 +150,9 @@ TEST(SoakTest, AWalkSixTimesAsLongHoldsNoMore) {
   std::printf("2 s: %.1f MB, 12 s: %.1f MB\n", early.memory_mb, late.memory_mb);
   // 200 frames more: were one picture of each kept, as floats in colour, that would be 184 MB. Two walks of one length
   // differed by up to 38 MB.
-  if (kSeesMemory) EXPECT_LE(late.memory_mb, early.memory_mb + 90);
+  if (kSeesMemory) {
+    EXPECT_LE(late.memory_mb, early.memory_mb + 90);
+  }
   ExpectCountsWithin(late, brief);
 }
 
