@@ -6,10 +6,10 @@
 #include <chrono>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <thread>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "algorithms/io/whole_file.h"
 #include "scenarios/code/files/folders.h"
 
@@ -19,12 +19,6 @@ namespace {
 
 constexpr int kMaxArrayTasks = 1000;   // Slurm's own limit (MaxArraySize) unless an administrator raised it
 constexpr int kMaxSilentAnswers = 60;  // of a controller that may be restarting
-
-std::string ReadText(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 /// A word as a shell takes it.
 std::string Quoted(const std::string& word) {
@@ -122,13 +116,14 @@ SlurmPool::SlurmPool(fs::path folder, SlurmOptions options)
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw MissingResource("cannot create the folder " + folder_.string() + ": " + error.message());
-  if (fs::exists(folder_ / "job")) std::ifstream(folder_ / "job") >> number_;
+  if (const std::optional<std::string> job = FindFileContent(folder_ / "job"))
+    number_ = job->substr(0, job->find('\n'));
 }
 
 SlurmPool::Answer SlurmPool::Ask(const std::vector<std::string>& words) const {
   Subprocess process(words, folder_ / "said");
   const std::optional<Ending> ending = process.Wait(60);
-  return {ending ? *ending : Ending{-1, 0}, ReadText(folder_ / "said")};
+  return {ending ? *ending : Ending{-1, 0}, FindFileContent(folder_ / "said").value_or("")};
 }
 
 void SlurmPool::Submit(int count, int at_once) {
