@@ -4,13 +4,13 @@
 #include <openssl/evp.h>
 
 #include <cmath>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <sstream>
+#include <optional>
 #include <vector>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/file_content.h"
 #include "results/reports/page_file.h"
 
 namespace gaitcam::internal {
@@ -62,9 +62,7 @@ std::string ReadChartLibrary(const std::filesystem::path& wanted) {
     places = {"/usr/share/javascript/chart.js/chart.min.js", "/usr/share/nodejs/chart.js/dist/chart.min.js"};
   }
   for (const std::filesystem::path& place : places) {
-    std::ifstream file(place, std::ios::binary);
-    std::stringstream text;
-    if (file && text << file.rdbuf()) return text.str();
+    if (const std::optional<std::string> text = FindFileContent(place)) return *text;
   }
   throw MissingResource("the report needs Chart.js at " + places.front().string() +
                         "; install the Debian package libjs-chart.js");
