@@ -24,6 +24,7 @@ export LSAN_OPTIONS=print_suppressions=0 TSAN_OPTIONS=print_suppressions=0
 # Programs under test preload libraries of their own before the sanitizer's, and ask for more memory than there is.
 export ASAN_OPTIONS=verify_asan_link_order=0:allocator_may_return_null=1:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
-# The thread sanitizer keeps marks in a file, in this folder if it can; a test that limits the size of files would cut it.
+# The thread sanitizer maps a temporary file in this folder, if there is one. A test that limits the size of files would
+# cut that file, and end the program.
 if [ $preset = tsan ]; then export TEST_TMPDIR=/nowhere; fi
 exec ctest --preset $preset --timeout 3000 "$@"

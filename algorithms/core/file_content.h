@@ -1,5 +1,5 @@
-/// Whole files in memory. A disk that fails in the middle of a file is told from the file's end, which a loop of
-/// std::getline or `<< stream.rdbuf()` does not do: half of a scenario is a scenario, too.
+/// Whole files in memory. A read that fails half-way is an error here. A loop of std::getline and `<< stream.rdbuf()`
+/// take it for the end of the file, and half of a scenario is a valid scenario.
 
 #pragma once
 

@@ -19,7 +19,7 @@ class TextTable {
   /// @throws BadInput if the file cannot be read.
   TextTable(std::filesystem::path file, char separator);
 
-  /// Moves to the next row. @returns false at the end of the file.
+  /// Moves to the next row. @returns false at the end of the file. @throws BadInput if reading breaks off before it.
   bool Next();
   size_t size() const { return fields_.size(); }
   /// The column of this name, where the present row names the columns. @throws BadInput if there is none.

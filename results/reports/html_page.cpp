@@ -6,7 +6,6 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 #include <vector>
 
 #include "algorithms/core/errors.h"
@@ -62,7 +61,10 @@ std::string ReadChartLibrary(const std::filesystem::path& wanted) {
     places = {"/usr/share/javascript/chart.js/chart.min.js", "/usr/share/nodejs/chart.js/dist/chart.min.js"};
   }
   for (const std::filesystem::path& place : places) {
-    if (const std::optional<std::string> text = FindFileContent(place)) return *text;
+    try {
+      return FileContent(place);
+    } catch (const BadInput&) {  // the next place, then
+    }
   }
   throw MissingResource("the report needs Chart.js at " + places.front().string() +
                         "; install the Debian package libjs-chart.js");

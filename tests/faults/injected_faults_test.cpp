@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 struct Verb {
   std::string name;
   std::string arguments;
-  std::string output;  ///< The file that it writes; empty: none.
+  std::string replaced;  ///< A file that is there before, in whose place it writes another; empty: none.
   bool is_long = false;
 };
 
@@ -29,8 +29,8 @@ const std::vector<Verb>& Verbs() {
       {"schema", "schema scenario", "", false},
       {"validate", "validate walk.yaml", "", false},
       {"score", "-q score estimate.txt truth.txt --out scores.json", "scores.json", false},
-      {"record", "-q record walk.yaml --out recorded", "recorded/walk/calibration.yaml", true},
-      {"run", "-q run walk.yaml --out done", "done/scores.json", true},
+      {"record", "-q record walk.yaml --out recorded", "", true},
+      {"run", "-q run walk.yaml --out done", "", true},
   };
   return verbs;
 }
@@ -44,7 +44,7 @@ class InjectedFaults : public testing::TestWithParam<std::tuple<int, std::string
   static bool Try(const std::string& plan, const std::map<std::string, std::string>& wanted, const std::string& said) {
     const TemporaryFolder temporary;
     WriteInputs(temporary.path());
-    if (!verb().output.empty() && !verb().is_long) std::ofstream(temporary.path() / verb().output) << "old";
+    if (!verb().replaced.empty()) std::ofstream(temporary.path() / verb().replaced) << "old";
     const std::map<std::string, std::string> before = FilesBelow(temporary.path());
     const TemporaryFolder beside;
     const fs::path hit = beside.path() / "hit";
