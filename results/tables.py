@@ -124,6 +124,8 @@ def cells(rows, spec):
     if len(shown) > 1 and down and across:
         raise DoesNotFit("several metrics take the place of rows or columns")
     for name, _ in shown:
+        if name.count("/") > 1:
+            raise DoesNotFit(f"{name} is no ratio of two metrics")
         for part in name.split("/"):
             rows.column(part)
     decimals = spec.get("decimals")

@@ -107,6 +107,7 @@ class TablesTest(unittest.TestCase):
             ("rows: sytem", "no column sytem"),
             ("show: eror_m", "no column eror_m"),
             ("show: error_m/jump", "no column jump"),
+            ("show: error_m/error_m/error_m", "is no ratio of two metrics"),
             ("rows: system, columns: exposure, where: {exposure: 30}", "has exposure 30"),
             ("rows: [system, exposure]", "the table has 2 rows, and the runs make 4"),
             ("rows: system, colums: exposure", "no such key: colums"),
