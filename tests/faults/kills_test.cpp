@@ -131,9 +131,12 @@ TEST_P(Kills, BeforeEachCallThatAltersAFolder) {
       const Workplace place(verb());
       const TemporaryFolder beside;
       const fs::path hit = beside.path() / "hit";
-      place.Run("GAITCAM_FAIL=" + kind + ":" + std::to_string(n) + ":kill GAITCAM_FAIL_HIT=" + hit.string() +
-                " LD_PRELOAD=" + FAIL_NTH);
-      if (!fs::exists(hit)) break;
+      const int code = place.Run("GAITCAM_FAIL=" + kind + ":" + std::to_string(n) +
+                                 ":kill GAITCAM_FAIL_HIT=" + hit.string() + " LD_PRELOAD=" + FAIL_NTH);
+      if (!fs::exists(hit)) {
+        EXPECT_EQ(code, WhereNothingHappened().exit_code) << "nobody killed it";
+        break;
+      }
       SCOPED_TRACE("killed before " + kind + " " + std::to_string(n));
       ExpectTheSameAsEver(place);
       ++kills;
