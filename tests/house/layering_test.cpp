@@ -54,7 +54,6 @@ const std::map<std::string, Folders> kReserved = {
     {"EGL/", {"sim/camera"}},
     {"urdf_", {"models/code/robots"}},
     {"CLI/", {"scenarios/code/commands", "scenarios/code/experiments"}},
-    {"tbb/", {"scenarios/code/experiments"}},
     {"openssl/", {"algorithms/io", "results/reports"}},
     {"algorithms/core/frame_truth.h", {"algorithms/io", "sim", "results", "scenarios"}},
 };

@@ -1,12 +1,11 @@
 #include "scenarios/code/experiments/table_experiment.h"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <future>
 #include <thread>
 
 #include "results/scoring/statistics.h"
@@ -131,9 +130,19 @@ std::string ExperimentCommand(const ExperimentEntry& entry, TableExperiment& exp
 }
 
 void InParallel(int count, int jobs, const std::function<void(int)>& fn) {
-  const size_t threads = jobs > 0 ? size_t(jobs) : std::max(1U, std::thread::hardware_concurrency());
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  tbb::parallel_for(0, count, fn, tbb::simple_partitioner());
+  const int threads = std::min(count, jobs > 0 ? jobs : std::max(1, int(std::thread::hardware_concurrency())));
+  std::atomic<int> next = 0;
+  const auto work = [&] {
+    try {
+      for (int i = next++; i < count; i = next++) fn(i);
+    } catch (...) {
+      next = count;
+      throw;
+    }
+  };
+  std::vector<std::future<void>> workers;
+  for (int i = 0; i < threads; ++i) workers.push_back(std::async(std::launch::async, work));
+  for (std::future<void>& worker : workers) worker.get();
 }
 
 }  // namespace gaitcam

@@ -110,7 +110,7 @@ const std::vector<ExperimentEntry>& ListExperiments();
 std::string ExperimentCommand(const ExperimentEntry& entry, TableExperiment& experiment);
 
 /// Does fn(0) ... fn(count - 1), many at once; results that go by index do not depend on the order.
-/// @throws what the first to fail threw; the rest is not begun then.
+/// @throws what one of those that failed threw; what was not begun by then is left out.
 void InParallel(int count, int jobs, const std::function<void(int)>& fn);
 
 std::unique_ptr<TableExperiment> MakeBlurredFeatures();

@@ -324,9 +324,19 @@ TEST(ExperimentCommand, NamesWhatDiffersFromTheDefaultsAndNoUsersFolder) {
 }
 
 TEST(InParallel, DoesEachOnceAndThrowsWhatFails) {
-  std::vector<int> times(100, 0);
-  InParallel(100, 3, [&](int i) { ++times[size_t(i)]; });
-  EXPECT_THAT(times, testing::Each(1));
+  for (const int jobs : {0, 1, 3, 200}) {
+    std::vector<int> times(100, 0);
+    InParallel(100, jobs, [&](int i) { ++times[size_t(i)]; });
+    EXPECT_THAT(times, testing::Each(1)) << jobs;
+  }
+  InParallel(0, 2, [](int) { FAIL() << "there is nothing to do"; });
+  int begun = 0;
+  const auto fails_at_four = [&](int i) {
+    ++begun;
+    if (i == 4) throw std::runtime_error("four");
+  };
+  EXPECT_THROW(InParallel(10, 1, fails_at_four), std::runtime_error);
+  EXPECT_EQ(begun, 5) << "what comes after it is not begun";
   EXPECT_THROW(InParallel(10, 2,
                           [](int i) {
                             if (i == 4) throw std::runtime_error("four");
