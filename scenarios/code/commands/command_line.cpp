@@ -94,7 +94,7 @@ void AddRecord(CLI::App& app, Arguments& a) {
   verb->add_flag("--pairs", a.record.pairs, "pairs of frames: blurred, sharp, blur vectors, floor homography, points");
   verb->add_flag("--preview", a.record.preview, "video and contact sheet also of a single scenario");
   verb->add_option("-j,--jobs", a.record.jobs, "sequences of a matrix at once (default: one per core)")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 10000));
   verb->add_flag("--yes", a.record.yes, "also for a matrix of more than 100000 sequences");
   verb->footer(
       "A matrix that was interrupted or killed goes on where it was when the same command is given again.\n"
@@ -212,7 +212,7 @@ void AddStudy(CLI::App& app, Arguments& a) {
   CLI::App* verb = app.add_subcommand("study", "run a scenario over axes of values and seeds: what makes a difference");
   verb->add_option("study", a.study.file, "study file (YAML), or the name of a shipped one")->required();
   verb->add_option("--out", a.study.out, "folder of the results (default: studies/NAME)");
-  verb->add_option("-j,--jobs", a.study.jobs, "runs at once (default: one per core)")->check(CLI::PositiveNumber);
+  verb->add_option("-j,--jobs", a.study.jobs, "runs at once (default: one per core)")->check(CLI::Range(1, 10000));
   AddCache(*verb, a.study.cache);
   verb->add_option("--executor", a.study.executor, "local, or slurm: runs as a job array")
       ->check(CLI::IsMember({"local", "slurm"}))

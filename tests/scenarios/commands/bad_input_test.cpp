@@ -21,6 +21,7 @@ class BadInputTest : public testing::Test {
     EXPECT_EQ(result.exit_code, 2) << result.err;
     EXPECT_THAT(result.err, HasSubstr(fragment));
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_LT(result.err.size(), 400U) << "no limit of a number written out";
     EXPECT_EQ(result.out, "");
     int files = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(temporary_.path())) ++files;
@@ -150,6 +151,10 @@ TEST_F(BadInputTest, ANameThatNoFileCanHaveIsRefused) {
 TEST_F(BadInputTest, NumbersOfTheCommandLineAreCheckedToo) {
   ExpectRefusal("", "--seed", "--seed -1");
   ExpectRefusal("duration_s: 1\n", "--cache-gb: nan is not permitted", "--cache-gb nan", "study");
+  for (const char* verb : {"record", "study", "check"}) {
+    ExpectRefusal("duration_s: 1\n", "--jobs: Value -1 not in range", "-j -1", verb);
+    ExpectRefusal("duration_s: 1\n", "--jobs: Value 10001 not in range", "-j 10001", verb);
+  }
 }
 
 TEST_F(BadInputTest, ARecordingIsNotPutIntoAStrangersFolder) {
