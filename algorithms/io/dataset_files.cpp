@@ -1,6 +1,7 @@
 #include "algorithms/io/dataset_files.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <limits>
 #include <system_error>
 
@@ -46,12 +47,17 @@ std::string TumHeader(const std::string& what, const std::string& columns) {
 PendingFolder::PendingFolder(fs::path wanted) : wanted_(std::move(wanted)), path_(UnfinishedNameFor(wanted_)) {
   if (fs::exists(wanted_)) throw BadInput(wanted_.string() + ": exists already; remove it or choose another name");
   RemoveAbandoned(wanted_);
+  for (fs::path above = wanted_.parent_path(); !above.empty() && !fs::exists(above); above = above.parent_path()) {
+    made_above_.push_back(above);
+  }
   MakeFolder(path_);
 }
 
 PendingFolder::~PendingFolder() {
-  std::error_code ignored;
-  if (!kept_) fs::remove_all(named_ ? wanted_ : path_, ignored);
+  if (kept_) return;
+  std::error_code error;
+  fs::remove_all(named_ ? wanted_ : path_, error);
+  for (const fs::path& above : made_above_) fs::remove(above, error);  // a folder with something in it stays
 }
 
 void PendingFolder::Name() {
@@ -67,18 +73,18 @@ void PendingFolder::Name() {
 RowFile::RowFile(fs::path file, const std::optional<std::string>& header) : file_(std::move(file)) {
   MakeFolder(file_.parent_path());
   stream_.open(file_, std::ios::binary);
-  if (!stream_) throw MissingResource(file_.string() + ": cannot write this file");
+  if (!stream_) FailToWrite(file_, errno);
   if (header) Row(*header);
 }
 
 void RowFile::Row(const std::string& row) {
   stream_ << row << '\n';
-  if (!stream_) throw MissingResource(file_.string() + ": cannot write this file");
+  if (!stream_) FailToWrite(file_, errno);
 }
 
 void RowFile::Close() {
   stream_.close();
-  if (!stream_) throw MissingResource(file_.string() + ": cannot write this file");
+  if (!stream_) FailToWrite(file_, errno);
 }
 
 ImageFiles::ImageFiles(const ImageListing& listing, const std::string& what) : listing_(listing) {

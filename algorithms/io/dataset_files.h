@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "algorithms/core/pose.h"
 #include "algorithms/io/dataset_layout.h"
@@ -32,7 +33,7 @@ std::string PoseColumns(const std::string& of);
 std::string TumHeader(const std::string& what, const std::string& columns);
 
 /// A folder that gets its name when it is whole; until then it has one of this process's own, and is removed if
-/// abandoned.
+/// abandoned, with the folders above it that were made for it and are empty then.
 class PendingFolder {
  public:
   /// @throws BadInput if it exists already; MissingResource if it cannot be made.
@@ -50,6 +51,7 @@ class PendingFolder {
 
  private:
   std::filesystem::path wanted_, path_;
+  std::vector<std::filesystem::path> made_above_;  ///< That were not there before, the innermost first.
   bool named_ = false, kept_ = false;
 };
 

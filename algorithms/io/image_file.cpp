@@ -1,5 +1,6 @@
 #include "algorithms/io/image_file.h"
 
+#include <cerrno>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -9,6 +10,7 @@
 #include "algorithms/core/errors.h"
 #include "algorithms/core/file_content.h"
 #include "algorithms/io/png_encoder.h"
+#include "algorithms/io/whole_file.h"
 
 namespace gaitcam {
 namespace {
@@ -19,7 +21,7 @@ void WriteBytes(const std::filesystem::path& file, const std::vector<uint8_t>& b
   std::ofstream stream(file, std::ios::binary);
   stream.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
   stream.flush();
-  if (!stream) throw MissingResource(file.string() + ": cannot write this file");
+  if (!stream) FailToWrite(file, errno);
 }
 
 [[noreturn]] void Fail(const std::filesystem::path& file, const std::string& message, const std::string& listed_at) {

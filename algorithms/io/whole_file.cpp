@@ -105,11 +105,11 @@ struct Destination {
   bool in_place = false;
 };
 
-[[noreturn]] void FailToWrite(const fs::path& file, int error) {
-  throw MissingResource(file.string() + ": cannot write this file: " + std::strerror(error));
-}
-
 }  // namespace
+
+void FailToWrite(const fs::path& file, int error) {
+  throw MissingResource(file.string() + ": cannot write this file: " + std::strerror(error != 0 ? error : EIO));
+}
 
 void WriteWholeFile(const fs::path& file, std::string_view content) {
   const Destination destination(file);

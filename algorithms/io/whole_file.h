@@ -34,6 +34,10 @@ void RemoveAbandoned(const std::filesystem::path& wanted);
 /// then untouched.
 void WriteWholeFile(const std::filesystem::path& file, std::string_view content);
 
+/// @param error of errno
+/// @throws MissingResource, "FILE: cannot write this file: No space left on device".
+[[noreturn]] void FailToWrite(const std::filesystem::path& file, int error);
+
 /// What WriteWholeFile would throw for want of a folder, of permission or of another name; for what takes long before
 /// it writes. Nothing stays behind.
 void CheckWritable(const std::filesystem::path& file);

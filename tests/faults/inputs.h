@@ -67,11 +67,13 @@ inline pid_t StartProgram(const fs::path& folder, const std::string& arguments, 
 /// @param status as waitpid gives it. @returns as a shell tells it: beyond 128 is a signal.
 inline int ExitCode(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
-/// Every file below a folder that a user would see, with what is in it; hidden ones by name alone.
+/// Every file below a folder with what is in it, and every folder with nothing in it, by a name that ends with "/".
 inline std::map<std::string, std::string> FilesBelow(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& item : fs::recursive_directory_iterator(folder)) {
-    if (item.is_regular_file()) files[item.path().lexically_relative(folder).string()] = ReadText(item.path());
+    const std::string name = item.path().lexically_relative(folder).string();
+    if (item.is_regular_file()) files[name] = ReadText(item.path());
+    if (item.is_directory() && fs::is_empty(item)) files[name + "/"] = "";
   }
   return files;
 }

@@ -33,9 +33,7 @@ std::string Progress::Line(int64_t done, double elapsed_s) const {
       line += fmt::format("/{}", total_);
     }
   }
-  line += fmt::format("  {:.1f}/s", rate);
-  if (total_ > done && rate > 0) line += fmt::format("  {} left", Duration(double(total_ - done) / rate));
-  return line;
+  return line + fmt::format("  {:.1f}/s", rate);
 }
 
 void Progress::Update(int64_t done) {
@@ -45,7 +43,10 @@ void Progress::Update(int64_t done) {
   const double since_last = std::chrono::duration<double>(now - last_).count();
   if (since_last < (on_terminal_ ? 0.1 : 5.0)) return;
   last_ = now;
-  const std::string line = Line(done, std::chrono::duration<double>(now - start_).count());
+  const double elapsed_s = std::chrono::duration<double>(now - start_).count();
+  std::string line = Line(done, elapsed_s);
+  if (total_ > done && done > 0)
+    line += fmt::format("  {} left", Duration(double(total_ - done) / double(done) * elapsed_s));
   std::fprintf(stderr, on_terminal_ ? "\r\033[K%s" : "%s\n", line.c_str());
 }
 
