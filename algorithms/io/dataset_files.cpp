@@ -50,11 +50,19 @@ PendingFolder::PendingFolder(fs::path wanted) : wanted_(std::move(wanted)), path
   for (fs::path above = wanted_.parent_path(); !above.empty() && !fs::exists(above); above = above.parent_path()) {
     made_above_.push_back(above);
   }
-  MakeFolder(path_);
+  try {
+    MakeFolder(path_);
+  } catch (...) {
+    Remove();
+    throw;
+  }
 }
 
 PendingFolder::~PendingFolder() {
-  if (kept_) return;
+  if (!kept_) Remove();
+}
+
+void PendingFolder::Remove() {
   std::error_code error;
   fs::remove_all(named_ ? wanted_ : path_, error);
   for (const fs::path& above : made_above_) fs::remove(above, error);  // a folder with something in it stays

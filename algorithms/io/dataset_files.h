@@ -50,6 +50,8 @@ class PendingFolder {
   void Keep() { kept_ = true; }
 
  private:
+  void Remove();
+
   std::filesystem::path wanted_, path_;
   std::vector<std::filesystem::path> made_above_;  ///< That were not there before, the innermost first.
   bool named_ = false, kept_ = false;
