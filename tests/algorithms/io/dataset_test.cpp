@@ -617,6 +617,9 @@ TEST_F(Datasets, SpoiltCalibrationsAreNamedWithTheirLine) {
   Spoil(sensor, "pinhole", "fisheye");
   EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("sensor.yaml:"), HasSubstr("fisheye is not supported")));
   Spoil(sensor, "fisheye", "pinhole");
+  Spoil(sensor, "resolution: [32, 24]", "resolution: [4.6e11, 24]");
+  EXPECT_THAT(ReadAllRefused(), AllOf(HasSubstr("sensor.yaml:"), HasSubstr("resolution: ")));
+  Spoil(sensor, "resolution: [4.6e11, 24]", "resolution: [32, 24]");
   Spoil(sensor, "data: [1", "data: [2");
   EXPECT_THAT(ReadAllRefused(), HasSubstr("not a rotation matrix"));
 }

@@ -249,6 +249,8 @@ TEST_F(UserRobot, MassesInTheYamlArePositiveAndForKnownLinksWithoutInertia) {
   const std::string good = yaml_;
   yaml_ = good + "masses: {trunk: -1}\n";
   EXPECT_THAT(Error(), HasSubstr("masses.trunk: expected a mass above 0 kg"));
+  yaml_ = good + "masses: {trunk: .nan}\n";
+  EXPECT_THAT(Error(), HasSubstr("masses.trunk: .nan is not permitted; expected a number from"));
   yaml_ = good + "masses: {trunk: 1}\n";
   EXPECT_THAT(Error(), HasSubstr("link \"trunk\" has an <inertial> already"));
   yaml_ = good + "masses: {trank: 1}\n";

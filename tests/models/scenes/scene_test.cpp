@@ -434,6 +434,23 @@ TEST(Scene, ErrorsPointIntoTheFile) {
               testing::StartsWith("scene_test.yaml:1:18: floor.texture: px_per_m: 1000 gives 10000 million pixels"));
 }
 
+TEST(Scene, NumbersThatNoRoomHasAreNamedWhereTheyStand) {
+  const std::string floor = "floor: {texture: {kind: carpet, px_per_m: 32}}\n";
+  const auto refused = [](const std::string& where, const std::string& number) {
+    return "scene_test.yaml:" + where + ": " + number + " is not permitted; expected a number from -1e9 to 1e9";
+  };
+  EXPECT_EQ(SceneError(floor + "walls: [{points: [[0, 0], [1e308, 0]]}]\n"),
+            refused("2:28: walls[0].points[1][0]", "1e308"));
+  EXPECT_EQ(SceneError(floor + "walls: [{points: [[0, 0], [1, 0]], height_m: 1e308}]\n"),
+            refused("2:46: walls[0].height_m", "1e308"));
+  EXPECT_EQ(SceneError(floor + "furniture: [{kind: table, at: [.nan, 0]}]\n"),
+            refused("2:32: furniture[0].at[0]", ".nan"));
+  EXPECT_EQ(SceneError(floor + "boxes: [{size: [1, .inf, 1]}]\n"), refused("2:20: boxes[0].size[1]", ".inf"));
+  EXPECT_EQ(SceneError(floor + "start: [0, -1e300, 0]\n"), refused("2:12: start[1]", "-1e300"));
+  EXPECT_EQ(SceneError("floor: {extent: [[0, 0], [1e300, 1]], texture: carpet}\n"),
+            refused("1:27: floor.extent[1][0]", "1e300"));
+}
+
 TEST(Scene, MoreTexturesThanTheRendererCanDrawAreRefused) {
   std::string text = "floor: {texture: {kind: carpet, px_per_m: 8}}\nboxes:\n";
   for (int i = 0; i < 99; ++i) {

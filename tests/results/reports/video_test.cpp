@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <filesystem>
 #include <opencv2/videoio.hpp>
 
@@ -103,6 +105,26 @@ TEST_F(Video, AFolderThatIsNotThereIsAMissingResource) {
   } catch (const MissingResource& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("nowhere/walk.mp4"));
   }
+}
+
+TEST_F(Video, AFullDiskIsSaidWithItsReasonAndNothingStays) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto on_signal = std::signal(SIGXFSZ, SIG_IGN);  // the write fails instead, as on a full disk
+  const rlimit limited{64, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limited), 0);
+  std::string said;
+  try {
+    VideoWriter writer(folder_.path() / "walk.mp4");
+    for (int i = 0; i < 20; ++i) writer.Add(Frame(i));
+    writer.Finish();
+  } catch (const std::runtime_error& error) {
+    said = error.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, on_signal);
+  EXPECT_THAT(said, testing::HasSubstr("walk.mp4: cannot write this file: File too large"));
+  EXPECT_EQ(FilesInFolder(), 0u);
 }
 
 TEST_F(Video, OptionsOutOfRangeAreRefused) {

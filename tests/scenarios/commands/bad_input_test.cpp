@@ -145,7 +145,15 @@ TEST_F(BadInputTest, ANameThatNoFileCanHaveIsRefused) {
   for (const std::string name : {"'..'", "'.'", "a/b", "\"a\\nb\"", "\"\\0\""}) {
     ExpectRefusal("name: " + name + "\n", "s.yaml:1:7: name: files are named after this", "", "validate");
   }
-  ExpectRefusal("name: " + std::string(300, 'x') + "\n", "expected 1 to 100 characters", "", "validate");
+  const std::string too_long(300, 'x');
+  ExpectRefusal("name: " + too_long + "\n", "expected 1 to 100 characters", "", "validate");
+  for (const std::string key : {"robot", "scene", "system"}) {
+    std::ofstream(temporary_.path() / "s.yaml") << key << ": " << too_long << "\n";
+    const ProgramResult result = RunProgram("validate s.yaml", temporary_.path());
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_THAT(result.err, testing::MatchesRegex("gaitcam: s.yaml:1:[0-9]+: " + key + ": .*" + too_long + ".*\n"));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
 }
 
 TEST_F(BadInputTest, NumbersOfTheCommandLineAreCheckedToo) {

@@ -121,6 +121,17 @@ TEST_F(RunTest, TruthLiesBesideTheFolderThatASystemGets) {
   }
 }
 
+TEST_F(RunTest, TrackingThatCannotWriteItsAnswerIsRefusedBeforeTheFirstFrame) {
+  ASSERT_EQ(Run("record walk.yaml -q --set duration_s=1 --out data").exit_code, 0);
+  EXPECT_THAT(Run("track data/walk --out done.txt").err, testing::StartsWith("tracking walk "));
+  for (const std::string out : {"data", "nowhere/e.txt", "walk.yaml/e.txt", "/proc/e.txt"}) {
+    const ProgramResult refused = Run("track data/walk --out " + out);
+    EXPECT_THAT(refused.exit_code, testing::AnyOf(2, 4)) << out;
+    EXPECT_THAT(refused.err, testing::StartsWith("gaitcam: " + out + ": ")) << "no frame was tracked";
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+  }
+}
+
 TEST_F(RunTest, AFallIsSaidAloudAndWhatWasFilmedIsKept) {
   // A gyroscope that is off by some 1 rad/s tells the balance lies.
   // It falls within two seconds, too early for a first map: somebody else's program says something of each frame.
