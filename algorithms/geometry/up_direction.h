@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "algorithms/core/camera.h"
@@ -17,7 +19,8 @@ class UpDirection {
   /// accelerometer's part; some steps.
   UpDirection(const ImuCalibration& imu, const Eigen::Vector3d& up_C, double time_s = 2.0);
 
-  /// Samples in time order. Without an IMU nothing changes.
+  /// Samples in time order. Without an IMU nothing changes. Where samples are missing the camera is taken to turn by
+  /// the mean of the rates before and after.
   /// @param gyro_bias_C of the angular rate, rad/s in the camera's frame, as far as known.
   void Add(const std::vector<ImuSample>& samples, const Eigen::Vector3d& gyro_bias_C = Eigen::Vector3d::Zero());
   const Eigen::Vector3d& up_C() const { return up_C_; }
@@ -25,9 +28,18 @@ class UpDirection {
   double heading_rad() const { return heading_rad_; }
 
  private:
+  struct Last {
+    int64_t stamp_ns;
+    Eigen::Vector3d rate_C;
+  };
+
+  double SilentTime(int64_t stamp_ns) const;
+  void Turn(const Eigen::Vector3d& turn);
+
   ImuCalibration imu_;
   Eigen::Vector3d up_C_;
   double time_s_, heading_rad_ = 0;
+  std::optional<Last> last_;
 };
 
 }  // namespace gaitcam

@@ -27,7 +27,7 @@ FloorTracker::FloorTracker(const Calibration& calibration, const FloorTrackerOpt
 
 FloorTrack FloorTracker::Track(const Observation& observation) {
   const Turn turn = Integrate(observation);
-  FollowGravity(observation);
+  FollowGravity(observation, turn);
   motion_.Add(observation);
   grey_ = undistortion_.Grey(observation.image.pixels, RollingShutter(observation));
   image_ = aligner_.MakePyramid(AlignmentImage(grey_));
@@ -76,9 +76,16 @@ FloorTracker::Turn FloorTracker::Integrate(const Observation& observation) {
   return turn;
 }
 
-void FloorTracker::FollowGravity(const Observation& observation) {
-  if (!gyro_ || observation.imu.empty()) return;
-  if (!gravity_) gravity_.emplace(calibration_.imu, calibration_.standing->up_C);
+/// A turn that the gyroscope did not measure leaves the vertical unknown, until it measures again: then images have it.
+void FloorTracker::FollowGravity(const Observation& observation, const Turn& turn) {
+  const bool is_first = last_ns_ == 0;
+  if (!is_first && !turn.since_last) gravity_.reset();
+  if (!gyro_ || observation.imu.empty() || !(is_first || turn.since_last)) return;
+  if (!gravity_) {
+    const bool has_pose = !is_first && tracked_ns_ == last_ns_;
+    gravity_.emplace(calibration_.imu,
+                     has_pose ? X_WC_.rotation.conjugate() * Eigen::Vector3d::UnitZ() : calibration_.standing->up_C);
+  }
   gravity_->Add(observation.imu, gyro_->bias());
 }
 
@@ -98,7 +105,7 @@ SeenAtRow FloorTracker::RollingShutter(const Observation& observation) const {
   };
 }
 
-/// By the accelerometer, or as the camera stands where there is none.
+/// By the accelerometer, or as the camera stands where that says nothing.
 const Eigen::Vector3d& FloorTracker::UpC() const { return gravity_ ? gravity_->up_C() : calibration_.standing->up_C; }
 
 FloorTrackerEvent FloorTracker::Initialize(const Observation& observation, FloorTrack& track) {

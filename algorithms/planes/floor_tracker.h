@@ -158,7 +158,7 @@ class FloorTracker {
   using Event = FloorTrackerEvent;
 
   Turn Integrate(const Observation& observation);
-  void FollowGravity(const Observation& observation);
+  void FollowGravity(const Observation& observation, const Turn& turn);
   const Eigen::Vector3d& UpC() const;
 
   Event Initialize(const Observation& observation, FloorTrack& track);
@@ -180,7 +180,7 @@ class FloorTracker {
   Undistortion undistortion_;
   PlaneAligner aligner_;
   std::optional<GyroTurn> gyro_;        ///< Of robots with an IMU, as is ...
-  std::optional<UpDirection> gravity_;  ///< ... this, from the first sample on.
+  std::optional<UpDirection> gravity_;  ///< ... this, while the gyroscope measures without a gap.
   ExposureMotion motion_;               ///< Since the last loss.
 
   FloorTrackerState state_ = FloorTrackerState::kInitializing;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "algorithms/core/errors.h"
+#include "algorithms/core/units.h"
 #include "tests/algorithms/planes/drawn_floor.h"
 
 namespace gaitcam {
@@ -162,10 +163,11 @@ TEST(FloorTracker, LearnsTheGyroscopesBiasAndKeepsItsHeadingThroughALoss) {
   EXPECT_LT(std::abs(off_rad) * 180 / std::numbers::pi, 0.5);
 }
 
-/// A frame's, of an IMU in the camera that goes along Walking(): 200 Hz, up to the stamp.
-std::vector<ImuSample> ImuOfTheWalk(int frame) {
+/// A frame's, of an IMU in the camera that goes along a walk: 200 Hz, up to the stamp.
+/// @param walk the camera's pose by the frame, a real number
+std::vector<ImuSample> ImuOfTheWalk(int frame, Pose (*walk)(double) = Walking) {
   constexpr double kFrame_s = 1 / 30.0, kStep_s = 1e-3;
-  const auto at = [](double t_s) { return Walking(t_s / kFrame_s); };
+  const auto at = [walk](double t_s) { return walk(t_s / kFrame_s); };
   std::vector<ImuSample> samples;
   for (int k = 6; k >= 0; --k) {
     const double t_s = frame * kFrame_s - k * 5e-3;
@@ -209,6 +211,25 @@ TEST(FloorTracker, ARollingShutterIsUndone) {
   EXPECT_EQ(tracked, 60);
   EXPECT_LT(error_m, error_global_m + 0.003) << "half a percent of the 0.59 m walked";
   EXPECT_GT(error_rolling_m, 5 * error_m) << "with " << tracked_rolling << " frames tracked";
+}
+
+/// A head that nods by 14 degrees, twelve frames long.
+Pose Nodding(double frame) {
+  return CameraOver({{0.01 * frame, 0}, 0}, kDrawnHeight_m, kDrawnPitch_rad + 0.12 * std::sin(kPi / 6 * frame), 0);
+}
+
+TEST(FloorTracker, WhatTheHeadTurnsWhileTheImuIsSilentDoesNotTiltGravity) {
+  // Each time that the head goes up the IMU is silent for a tenth of a second: it would miss 10 degrees of each nod.
+  const DrawnFloor floor(13);
+  Calibration calibration = DrawnCalibration();
+  calibration.imu.rate_hz = 200;
+  FloorTracker tracker(calibration, {});
+  for (int i = 0; i < 60; ++i) {
+    Observation observation = Observe(Draw(floor, {Nodding(i)}, 1, uint64_t(i)), i);
+    const bool is_silent = i % 12 >= 5 && i % 12 < 8;
+    if (!is_silent) observation.imu = ImuOfTheWalk(i, Nodding);
+    EXPECT_TRUE(tracker.Track(observation).tracked) << i;
+  }
 }
 
 TEST(FloorTracker, ARotationThatTheGyroscopeDoesNotMeasureIsRejected) {
