@@ -293,6 +293,15 @@ TEST_F(ExperimentProgramTest, SpeedMeasuresOnlyTheSectionsThatAreWanted) {
   EXPECT_EQ(table.find("\n## "), table.rfind("\n## ")) << table;
 }
 
+TEST_F(ExperimentProgramTest, SpeedFilmsAllShippedWalksAlsoThoseOfSystemsThatNeedAMap) {
+  const ProgramResult result = Run("speed --only light --frames 1 --longest-s 1 --out speed.md -q");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string table = ReadText(File("speed.md"));
+  for (const char* walk : {"quickstart", "cafeteria_navigate", "nimbro_navigate"}) {
+    EXPECT_THAT(table, HasSubstr("\n| " + std::string(walk) + " | "));
+  }
+}
+
 TEST_F(ExperimentProgramTest, CrowdsFilmsJudgesAndDraws) {
   const ProgramResult result = Run("crowds --pairs 2 --walk 3 --scene lab --detector sift --out crowds.md -q");
   ASSERT_EQ(result.exit_code, 0) << result.err;
