@@ -219,7 +219,7 @@ Pose Nodding(double frame) {
 }
 
 TEST(FloorTracker, WhatTheHeadTurnsWhileTheImuIsSilentDoesNotTiltGravity) {
-  // Each time that the head goes up the IMU is silent for a tenth of a second: it would miss 10 degrees of each nod.
+  // While the head goes one way the IMU is silent for a tenth of a second: it would miss 9 degrees of each nod.
   const DrawnFloor floor(13);
   Calibration calibration = DrawnCalibration();
   calibration.imu.rate_hz = 200;
