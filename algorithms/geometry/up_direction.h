@@ -20,7 +20,7 @@ class UpDirection {
   UpDirection(const ImuCalibration& imu, const Eigen::Vector3d& up_C, double time_s = 2.0);
 
   /// Samples in time order. Without an IMU nothing changes. Where samples are missing the camera is taken to turn by
-  /// the mean of the rates before and after.
+  /// the mean of the rates before and after, for at most 0.25 s.
   /// @param gyro_bias_C of the angular rate, rad/s in the camera's frame, as far as known.
   void Add(const std::vector<ImuSample>& samples, const Eigen::Vector3d& gyro_bias_C = Eigen::Vector3d::Zero());
   const Eigen::Vector3d& up_C() const { return up_C_; }
