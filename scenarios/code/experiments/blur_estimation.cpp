@@ -20,18 +20,21 @@
 #include "scenarios/code/experiments/photographs.h"
 #include "scenarios/code/experiments/table_experiment.h"
 #include "scenarios/code/files/folders.h"
+#include "scenarios/code/runs/calibration_error.h"
 #include "scenarios/code/runs/runner.h"
 
 namespace gaitcam {
 namespace {
 
 struct BlurEstimationOptions {
-  int frames = 40;  ///< Of each exposure time.
+  int walks = 10;  ///< At each exposure time, by the seeds from 1 on.
+  int frames = 8;  ///< Of each walk.
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, BlurEstimationOptions& o) {
-  visit("frames", o.frames, Between(1, 100000), "frames of the walk at each exposure time");
+  visit("walks", o.walks, Between(1, 100000), "walks at each exposure time, each a repeat with errors of its own");
+  visit("frames", o.frames, Between(1, 100000), "frames of each walk");
 }
 
 /// Estimators of one blur for the whole image, by the image alone.
@@ -234,32 +237,42 @@ class WalkTable {
   std::map<std::string, Timing> times_;
 };
 
-/// Every 7th frame of a brisk walk: steps and frames then have no common period.
-void Walk(double exposure_ms, int frames, WalkTable& table) {
+/// Every 7th frame of a brisk walk: steps and frames then have no common period. Estimators are told what a bench says
+/// of camera and IMU, and read sensors as it leaves them.
+void Walk(int seed, double exposure_ms, int frames, WalkTable& table) {
   constexpr int kSkip = 7;
-  const ResolvedScenario resolved = ReadScenario(DataFolder() / "scenarios/lab_loop_brisk.yaml",
-                                                 {fmt::format("camera.exposure_ms={:g}", exposure_ms)});
-  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved), resolved.scenario.seed);
+  const ResolvedScenario resolved =
+      ReadScenario(DataFolder() / "scenarios/lab_loop_brisk.yaml",
+                   {fmt::format("camera.exposure_ms={:g}", exposure_ms), "variation=repeat", "calibration_error=bench",
+                    fmt::format("seed={}", seed)});
+  const Scenario& scenario = resolved.scenario;
+  const CalibrationError error = DrawCalibrationError(scenario.calibration_error, resolved.robot, scenario.seed);
+  MiscalibratedSensors sensors(error, resolved.robot, scenario.seed);
+  Simulation simulation(resolved.robot, resolved.scene, SimulationOptionsOf(resolved), scenario.seed);
+  const Calibration told = Miscalibrated(simulation.calibration(), error);
   TruthOptions with, without;
   with.sharp = without.sharp = false;
   without.blur = without.depth = false;
   for (int i = 0; i < frames * kSkip; ++i) {
     const bool wanted = i % kSkip == kSkip - 1;
-    const std::optional<SimulatedFrame> frame = simulation.Next(wanted ? with : without);
+    std::optional<SimulatedFrame> frame = simulation.Next(wanted ? with : without);
     if (!frame) break;
-    if (wanted) table.Add(*frame, simulation.calibration());
+    sensors.Apply(frame->observation);
+    if (wanted) table.Add(*frame, told);
   }
-  std::fprintf(stderr, "walk at %g ms\n", exposure_ms);
+  std::fprintf(stderr, "walk %d at %g ms\n", seed, exposure_ms);
 }
 
-/// How well point spread functions are estimated: on photographs with line blur, and on the frames of a brisk walk
+/// How well point spread functions are estimated: on photographs with line blur, and on the frames of brisk walks
 /// against the simulator's true blur vectors.
 class BlurEstimation : public ExperimentOf<BlurEstimationOptions> {
  public:
   void Run(const ExperimentSetup& setup) override {
     command_ = setup.command;
     cv::setNumThreads(1);  // times are one thread's
-    for (const double exposure_ms : {10.0, 20.0, 33.0}) Walk(exposure_ms, options_.frames, walks_);
+    for (const double exposure_ms : {10.0, 20.0, 33.0}) {
+      for (int seed = 1; seed <= options_.walks; ++seed) Walk(seed, exposure_ms, options_.frames, walks_);
+    }
     display_ = PhotographRows(false, {640, 480}, 3);
     linear_ = PhotographRows(true, {640, 480}, 1);
     small_ = PhotographRows(false, {320, 240}, 1);
@@ -267,14 +280,15 @@ class BlurEstimation : public ExperimentOf<BlurEstimationOptions> {
   std::string Table() const override {
     return fmt::format(
         "# Point spread functions\n\nMade by `{}`.\n\n"
-        "## Frames of a walk\n\n`scenarios/lab_loop_brisk.yaml` at 10, 20 and 33 ms, 320 x 240, every 7th frame, "
-        "grouped by the frame's median blur. Each cell: median over frames of the median over pixels of the error of "
+        "## Frames of walks\n\n`scenarios/lab_loop_brisk.yaml` at 10, 20 and 33 ms, 320 x 240, {} repeats each with a "
+        "bench's calibration, every 7th frame, grouped by the frame's median blur. Each cell: median over frames of "
+        "the median over pixels of the error of "
         "the blur vector; in brackets, frames called blurred.\n\n{}\n"
         "Mean times on one thread of this machine: {}.\n\n## Photographs with line blur\n\n"
         "{} photographs of Debian's opencv-doc (one a chessboard), three directions each in the first table and one in "
         "the others, at most 640 x 480 px, blurred, then cropped, then noise. Blur in display values:\n\n{}\n"
         "Blur in linear light (gamma 2.2):\n\n{}\nDisplay values, 320 x 240 px:\n\n{}",
-        command_, walks_.Rows(), walks_.Times(), Photographs().size(), display_, linear_, small_);
+        command_, options_.walks, walks_.Rows(), walks_.Times(), Photographs().size(), display_, linear_, small_);
   }
 
  private:

@@ -95,8 +95,8 @@ const std::vector<ExperimentEntry>& ListExperiments() {
        MakePlaceDistance},
       {"planes", "direct alignment of pictures of floors with known motion and blur",
        "gaitcam experiment planes --out results/planes.md", MakeFloorAlignment},
-      {"psf", "estimated against true point spread functions, on photographs and on a walk",
-       "gaitcam experiment psf --frames 20 --out results/psf.md", MakeBlurEstimation},
+      {"psf", "estimated against true point spread functions, on photographs and on walks",
+       "gaitcam experiment psf --walks 5 --out results/psf.md", MakeBlurEstimation},
       {"speed", "what a blurred frame and the quick start cost, and how exact the frame is",
        "gaitcam experiment speed --out results/speed.md\n"
        "gaitcam experiment speed scenarios/tabletop_khr1hv.yaml --frames 20",
