@@ -180,8 +180,7 @@ class Problem {
 
 double SolvePoseGraph(PoseGraph& graph, const PoseGraphOptions& options) { return Problem(graph, options).Solve(); }
 
-PoseGraphCovariances::PoseGraphCovariances(const PoseGraph& graph) {
-  for (const GraphNode& node : graph.nodes) poses_.push_back(node.X_WC);
+PoseGraphCovariances::PoseGraphCovariances(const PoseGraph& graph) : graph_(graph) {
   if (graph.nodes.size() < 2) return;
   Triplets triplets;
   for (const GraphLink& link : graph.links) {
@@ -202,24 +201,44 @@ PoseGraphCovariances::PoseGraphCovariances(const PoseGraph& graph) {
 PoseGraphCovariances::~PoseGraphCovariances() = default;
 
 Eigen::MatrixXd PoseGraphCovariances::Columns(int node) const {
-  const Eigen::Index size = 6 * Eigen::Index(poses_.size() - 1);
+  const Eigen::Index size = 6 * Eigen::Index(graph_.nodes.size() - 1);
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(size, 6);
   unit.middleRows<6>(6 * (node - 1)).setIdentity();
   return information_->solve(unit);
 }
 
 Matrix6d PoseGraphCovariances::Of(int node) const {
-  GAITCAM_ASSERT(node >= 0 && size_t(node) < poses_.size());
+  GAITCAM_ASSERT(node >= 0 && size_t(node) < graph_.nodes.size());
   if (node == 0) return Matrix6d::Zero();
   return Columns(node).middleRows<6>(6 * (node - 1));
 }
 
 Matrix6d PoseGraphCovariances::Between(int from, int to) const {
-  GAITCAM_ASSERT(from >= 0 && size_t(from) < poses_.size());
+  GAITCAM_ASSERT(from >= 0 && size_t(from) < graph_.nodes.size());
   Matrix6d cross = Matrix6d::Zero();
   if (from > 0 && to > 0) cross = Columns(to).middleRows<6>(6 * (from - 1));
-  const Pose X_FT = poses_[size_t(from)].Inverse() * poses_[size_t(to)];
+  const Pose X_FT = graph_.nodes[size_t(from)].X_WC.Inverse() * graph_.nodes[size_t(to)].X_WC;
   return CovarianceOfRelative(X_FT, Of(from), Of(to), cross);
+}
+
+std::vector<CommonErrors> PoseGraphCovariances::InCommon(const std::vector<CommonErrors>& of_links,
+                                                         Eigen::Index errors) const {
+  GAITCAM_ASSERT(of_links.size() == graph_.links.size());
+  std::vector<CommonErrors> of_nodes(graph_.nodes.size(), CommonErrors::Zero(6, errors));
+  if (graph_.nodes.size() < 2) return of_nodes;
+  Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(6 * Eigen::Index(graph_.nodes.size() - 1), errors);
+  for (size_t l = 0; l < graph_.links.size(); ++l) {
+    const GraphLink& link = graph_.links[l];
+    const Vector6d e = ErrorOf(link, graph_.nodes);
+    const LinkJacobians J(link, graph_.nodes, e);
+    // A motion that is off by Exp(d) leaves Log(Exp(-d) Exp(e)).
+    const CommonErrors moved = link.trust * link.covariance.llt().solve(RightJacobianInverseSe3(-e) * of_links[l]);
+    if (link.from > 0) pull.middleRows<6>(6 * (link.from - 1)) += J.from.transpose() * moved;
+    if (link.to > 0) pull.middleRows<6>(6 * (link.to - 1)) += J.to.transpose() * moved;
+  }
+  const Eigen::MatrixXd moves = information_->solve(pull);
+  for (size_t n = 1; n < of_nodes.size(); ++n) of_nodes[n] = moves.middleRows<6>(6 * Eigen::Index(n - 1));
+  return of_nodes;
 }
 
 double InformationGain(const Matrix6d& expected, const Matrix6d& measured) {

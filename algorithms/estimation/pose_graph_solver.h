@@ -41,12 +41,18 @@ class PoseGraphCovariances {
   Matrix6d Of(int node) const;
   /// Of X_FT, the motion from one node to another.
   Matrix6d Between(int from, int to) const;
+  /// What errors that many links have in common, a lens calibrated wrongly, do to each X_WC, to first order; zero to
+  /// the first. Of a chain they are the links' own, carried on and added.
+  /// @param of_links for each link of the graph, what each of `errors` errors does to X_FT: 6 x errors, in its tangent;
+  /// so is what is returned for each node.
+  /// @pre as many as links.
+  std::vector<CommonErrors> InCommon(const std::vector<CommonErrors>& of_links, Eigen::Index errors) const;
 
  private:
   /// Covariances of all nodes with this one: 6 columns.
   Eigen::MatrixXd Columns(int node) const;
 
-  std::vector<Pose> poses_;
+  PoseGraph graph_;
   std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>> information_;  ///< Null for a single node.
 };
 

@@ -26,7 +26,7 @@ Matrix6d Isotropic(double sigma_m, double sigma_rad) {
 PoseSlam::PoseSlam(const Calibration& calibration, const PoseSlamOptions& options, uint64_t seed)
     : options_(options),
       odometry_(calibration, options.odometry, seed),
-      finder_(options.loops, seed),
+      finder_(options.loops, calibration.lens, seed),
       random_(seed, "pose_slam") {
   CheckFields(options, "pose_slam.");
 }
@@ -101,14 +101,22 @@ int PoseSlam::NodeOf(int keyframe) const {
 // ---------------------------------------------------------------------------------------------------------------------
 // Links.
 
+/// What the lenses have wrong is the same in all links: it has no part in how they are weighed, and is followed beside.
 void PoseSlam::Solve() {
   graph_.links.clear();
-  for (size_t node = 1; node < keyframes_.size(); ++node) graph_.links.push_back(OdometryLink(node));
+  std::vector<CommonErrors> lens_errors;
+  for (size_t node = 1; node < keyframes_.size(); ++node) {
+    graph_.links.push_back(OdometryLink(node));
+    lens_errors.push_back(odometry_.map().LensErrorsBetween(keyframes_[node - 1], keyframes_[node]));
+  }
   for (const Loop& loop : loops_) {
     graph_.links.push_back({NodeOf(loop.from), NodeOf(loop.to), loop.motion.X_FT, loop.motion.covariance, true, 1});
+    lens_errors.push_back(loop.motion.lens_errors);
   }
   SolvePoseGraph(graph_);
-  graph_.nodes.back().covariance = PoseGraphCovariances(graph_).Of(int(graph_.nodes.size()) - 1);
+  const PoseGraphCovariances covariances(graph_);
+  graph_.nodes.back().covariance = covariances.Of(int(graph_.nodes.size()) - 1);
+  lens_errors_ = covariances.InCommon(lens_errors, LensErrors::ColsAtCompileTime);
 }
 
 /// Nodes that the newest one's camera may see the same as, those first that look most alike. What the odometry's window
@@ -194,7 +202,17 @@ FrameEstimate PoseSlam::Corrected(const FrameEstimate& odometry, int keyframe) c
   if (!answer.own_covariance) return answer;
   *answer.covariance +=
       CarryCovariance(node.covariance, X_NC) - CarryCovariance(map.SharedCovariance(node_keyframe), X_NC);
+  CorrectLensErrors(size_t(NodeOf(keyframe)), X_NC, answer);
   return answer;
+}
+
+/// The node's by the graph in place of those that the odometry had there.
+void PoseSlam::CorrectLensErrors(size_t node, const Pose& X_NC, FrameEstimate& answer) const {
+  if (answer.common_errors.cols() == 0) return;
+  const LensErrors by_odometry = odometry_.map().LensErrorsBetween(0, keyframes_[node]);
+  *answer.covariance -= answer.common_errors * answer.common_errors.transpose();
+  answer.common_errors += Adjoint(X_NC.Inverse()) * (lens_errors_[node] - by_odometry);
+  *answer.covariance += answer.common_errors * answer.common_errors.transpose();
 }
 
 std::vector<FrameEstimate> PoseSlam::Finish() {

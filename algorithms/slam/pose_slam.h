@@ -15,6 +15,9 @@
 /// `loop_gate` says (Mahalanobis distance) and tells more than `loop_gain`. Frames stand to their nodes as the odometry
 /// has them.
 ///
+/// What the lenses' calibration has wrong is the same in all links. It does not weigh them; what it does to each node
+/// follows from the graph's solution (InCommon), and stands beside the covariances as it does with StereoVo.
+///
 /// The world frame W is the first keyframe's left camera; metres.
 
 #pragma once
@@ -101,6 +104,7 @@ class PoseSlam {
   void Plant(LoopMotion& motion);
   void Solve();
   FrameEstimate Corrected(const FrameEstimate& odometry, int keyframe) const;
+  void CorrectLensErrors(size_t node, const Pose& X_NC, FrameEstimate& answer) const;
 
   PoseSlamOptions options_;
   StereoVo odometry_;
@@ -110,7 +114,8 @@ class PoseSlam {
   std::vector<bool> begins_;    ///< Of each keyframe: a new map began, and what lies before is known only roughly.
   std::vector<Loop> loops_;
   PoseGraph graph_;
-  std::vector<int> frame_keyframes_;  ///< Of each frame, the keyframe it refers to; -1: none.
+  std::vector<CommonErrors> lens_errors_;  ///< Of each node, beside its covariance.
+  std::vector<int> frame_keyframes_;       ///< Of each frame, the keyframe it refers to; -1: none.
 };
 
 }  // namespace gaitcam

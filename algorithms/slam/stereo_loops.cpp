@@ -8,8 +8,8 @@
 
 namespace gaitcam {
 
-StereoLoops::StereoLoops(const StereoLoopOptions& options, uint64_t seed)
-    : options_(options), random_(seed, "stereo_loops") {}
+StereoLoops::StereoLoops(const StereoLoopOptions& options, const LensUncertainty& lens, uint64_t seed)
+    : options_(options), lens_(lens), random_(seed, "stereo_loops") {}
 
 void StereoLoops::Keep(int keyframe, const StereoView& view, const StereoRig& rig) {
   constexpr double kOneDimension2 = 3.5 * 3.5;  // of a right match's reprojection error, squared
@@ -19,8 +19,9 @@ void StereoLoops::Keep(int keyframe, const StereoView& view, const StereoRig& ri
     if (view.partner[i] < 0) continue;
     const StereoPoint point = ReconstructPoint(rig, view.Sighting(i));
     if (!point.ok() || point.squared_error > kOneDimension2) continue;
-    points.p_F.push_back(point.p_L);
-    points.covariance.push_back(point.covariance);
+    const size_t r = size_t(view.partner[i]);
+    points.seen.push_back({point.p_L, point.covariance, view.left.xy[i], view.left.covariance[i], true,
+                           view.right.xy[r], view.right.covariance[r]});
     rows.push_back(view.left.features.descriptors.row(int(i)));
   }
   if (!rows.empty()) cv::vconcat(rows, points.descriptors);
@@ -59,10 +60,12 @@ std::optional<LoopMotion> StereoLoops::Match(int keyframe, const StereoView& vie
   const Points& points = kept->second;
   MatchingOptions matching;
   matching.ratio = options_.loop_ratio;
-  std::vector<RigSighting> sightings;
+  std::vector<RigSighting> kept_sightings, sightings;
   for (const gaitcam::Match& match : MatchDescriptors(points.descriptors, view.left.features.descriptors, matching)) {
     const size_t p = size_t(match.a), i = size_t(match.b);
-    RigSighting sighting{points.p_F[p], points.covariance[p], view.left.xy[i], view.left.covariance[i]};
+    const RigSighting& seen = points.seen[p];
+    kept_sightings.push_back(seen);
+    RigSighting sighting{seen.p_W, seen.covariance_W, view.left.xy[i], view.left.covariance[i]};
     if (const int r = view.partner[i]; r >= 0) {
       sighting.has_right = true;
       sighting.right = view.right.xy[size_t(r)];
@@ -75,7 +78,21 @@ std::optional<LoopMotion> StereoLoops::Match(int keyframe, const StereoView& vie
   const RigPosePrior prior{guess, kAnywhere_m, kAnywhere_rad};
   const auto found = EstimateRigPose(sightings, rig.X_LR, prior, options_.loop_inliers, {}, random_);
   if (!found || 100 * found->inliers < options_.loop_inlier_pct * double(sightings.size())) return std::nullopt;
-  return LoopMotion{found->X_WC, found->covariance, found->inliers, int(sightings.size())};
+  return LoopMotion{found->X_WC, found->covariance, LensErrorsOf(kept_sightings, sightings, *found, rig),
+                    found->inliers, int(sightings.size())};
+}
+
+/// By the points that both frames saw with both cameras.
+LensErrors StereoLoops::LensErrorsOf(const std::vector<RigSighting>& in_F, const std::vector<RigSighting>& in_T,
+                                     const RigPoseResult& motion, const StereoRig& rig) const {
+  if (lens_.IsExact()) return LensErrors::Zero();
+  PointsInBoth points;
+  for (size_t i = 0; i < in_T.size(); ++i) {
+    if (motion.use[i] != SightingUse::kBoth) continue;
+    points.A.push_back(in_F[i]);
+    points.B.push_back(in_T[i]);
+  }
+  return LensErrorsOfMotion(points, rig, motion.X_WC, lens_);
 }
 
 }  // namespace gaitcam

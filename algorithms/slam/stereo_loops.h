@@ -9,9 +9,11 @@
 #include <optional>
 #include <vector>
 
+#include "algorithms/core/camera.h"
 #include "algorithms/core/fields.h"
 #include "algorithms/core/random.h"
 #include "algorithms/core/se3.h"
+#include "algorithms/geometry/lens_errors.h"
 #include "algorithms/geometry/stereo_reconstruction.h"
 #include "algorithms/odometry/stereo_view.h"
 #include "algorithms/places/incremental_dictionary.h"
@@ -40,12 +42,14 @@ void VisitFields(Visitor& visit, StereoLoopOptions& o) {
 struct LoopMotion {
   Pose X_FT;
   Matrix6d covariance;
+  LensErrors lens_errors = LensErrors::Zero();  ///< Of X_FT, beside its covariance.
   int inliers = 0, matches = 0;
 };
 
 class StereoLoops {
  public:
-  StereoLoops(const StereoLoopOptions& options, uint64_t seed);
+  /// @param lens how wrong the lenses' calibration may be.
+  StereoLoops(const StereoLoopOptions& options, const LensUncertainty& lens, uint64_t seed);
 
   /// Keeps the points that a keyframe's two images show, and their descriptors.
   void Keep(int keyframe, const StereoView& view, const StereoRig& rig);
@@ -60,14 +64,16 @@ class StereoLoops {
 
  private:
   struct Points {
-    std::vector<Eigen::Vector3d> p_F;
-    std::vector<Eigen::Matrix3d> covariance;
+    std::vector<RigSighting> seen;  ///< In the keyframe's frame F.
     cv::Mat descriptors;
     size_t place = 0;  ///< In the dictionary.
   };
   void LearnWords(const cv::Mat& descriptors);
+  LensErrors LensErrorsOf(const std::vector<RigSighting>& in_F, const std::vector<RigSighting>& in_T,
+                          const RigPoseResult& motion, const StereoRig& rig) const;
 
   StereoLoopOptions options_;
+  LensUncertainty lens_;
   RandomStream random_;
   std::map<int, Points> kept_;
   std::optional<IncrementalDictionary> dictionary_;  ///< From the first keyframe on.

@@ -126,6 +126,47 @@ TEST(PoseGraphSolver, CovarianceOfAChainIsThatOfTheProduct) {
   EXPECT_LT((covariances.Between(39, 40) - StepCovariance()).norm(), 1e-9 * StepCovariance().norm());
 }
 
+/// The motions of one sensor that stretches and turns all of them alike.
+std::vector<CommonErrors> OneSensors(const PoseGraph& graph) {
+  std::vector<CommonErrors> errors;
+  for (const GraphLink& link : graph.links) {
+    errors.push_back(CommonErrors::Zero(6, 2));
+    errors.back().col(0).head<3>() = 0.01 * link.X_FT.translation;
+    errors.back()(5, 1) = 0.003 * link.X_FT.translation.norm();
+  }
+  return errors;
+}
+
+TEST(PoseGraphSolver, ErrorsInCommonMoveTheNodesAsASolutionWithThemDoes) {
+  PoseGraph graph = NoisyGraph(Rounds(), true, 0, 5);
+  SolvePoseGraph(graph);
+  const std::vector<CommonErrors> of_links = OneSensors(graph);
+  const std::vector<CommonErrors> of_nodes = PoseGraphCovariances(graph).InCommon(of_links, 2);
+  for (int error = 0; error < 2; ++error) {
+    PoseGraph moved = graph;
+    for (size_t l = 0; l < moved.links.size(); ++l)
+      moved.links[l].X_FT = Plus(graph.links[l].X_FT, of_links[l].col(error));
+    SolvePoseGraph(moved);
+    EXPECT_EQ(of_nodes[0].norm(), 0);
+    double most = 0, off = 0;
+    for (size_t n = 1; n < graph.nodes.size(); ++n) {
+      const Vector6d found = Minus(moved.nodes[n].X_WC, graph.nodes[n].X_WC);
+      most = std::max(most, found.norm());
+      off = std::max(off, (found - of_nodes[n].col(error)).norm());
+    }
+    EXPECT_LT(off, 0.01 * most) << "of first order, in motions that are off by a hundredth";
+  }
+}
+
+TEST(PoseGraphSolver, ErrorsInCommonOfAChainAreCarriedOnAndAdded) {
+  const PoseGraph graph = NoisyGraph(Rounds(), false, 0, 3);
+  const std::vector<CommonErrors> of_links = OneSensors(graph);
+  CommonErrors chain = CommonErrors::Zero(6, 2);
+  for (size_t l = 0; l < of_links.size(); ++l) chain = Adjoint(graph.links[l].X_FT.Inverse()) * chain + of_links[l];
+  const CommonErrors last = PoseGraphCovariances(graph).InCommon(of_links, 2).back();
+  EXPECT_LT((last - chain).norm(), 1e-9 * chain.norm());
+}
+
 /// Of 10 loops, 2 false ones that agree with nothing (20 %) or 5 (50 %).
 TEST(PoseGraphSolver, FalseLoopsAreFoundAndTrueOnesKept) {
   for (const int false_every : {5, 2}) {

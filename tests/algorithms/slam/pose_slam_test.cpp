@@ -49,8 +49,8 @@ struct Mapped {
   std::vector<FrameEstimate> frames;
   PoseGraph graph;
 
-  explicit Mapped(const PoseSlamOptions& options) {
-    PoseSlam slam(LoopRig(), options, 1);
+  explicit Mapped(const PoseSlamOptions& options, const Calibration& rig = LoopRig()) {
+    PoseSlam slam(rig, options, 1);
     for (const Observation& frame : ThereAndBack().frames) slam.Track(frame);
     frames = slam.Finish();
     graph = slam.graph();
@@ -118,10 +118,29 @@ TEST(PoseSlam, WithoutLoopsItIsTheOdometry) {
   }
 }
 
+/// A focal length that is told wrongly, by as much as the calibration says that it may be. To first order and by a part
+/// of the points: an open chain's are off by up to a sixth. The rig is not adjusted, which would follow the wrong lens.
+TEST(PoseSlam, SaysWhatAWrongLensDoesToItsPoses) {
+  Calibration right_lens = LoopRig();
+  right_lens.lens.focal = 0.02;
+  Calibration wrong_lens = right_lens;
+  for (CameraModel* camera : {&wrong_lens.camera, &*wrong_lens.right}) camera->fx *= 1.02, camera->fy *= 1.02;
+  PoseSlamOptions options = Small();
+  options.odometry.rig_rotation_deg = 0;
+  const Mapped with_right(options, right_lens), with_wrong(options, wrong_lens);
+  EXPECT_GE(with_right.Loops(1), 1);
+  for (size_t i = 10; i < 30; ++i) {  // far from where it begins and ends
+    const Vector6d found = Minus(*with_right.frames[i].pose, *with_wrong.frames[i].pose);
+    const Vector6d said = with_right.frames[i].common_errors.col(0);
+    EXPECT_LT((found - said).head<3>().norm(), 0.4 * found.head<3>().norm()) << i;
+    EXPECT_LT((found - said).tail<3>().norm(), 0.4 * found.tail<3>().norm()) << i;
+  }
+}
+
 TEST(StereoLoops, AViewLooksMostLikeTheKeyframeTakenWhereItStands) {
   const StereoRig rig = StereoRig::Of(LoopRig());
   const cv::Ptr<cv::Feature2D> detector = MakeFeature2d("sift", 4);
-  StereoLoops loops({}, 1);
+  StereoLoops loops({}, {}, 1);
   for (const int frame : {0, 10, 19, 39}) {  // to the side, and back to where it began
     StereoView view = DetectInBoth(ThereAndBack().frames[size_t(frame)], rig, *detector, 500);
     UndoMotion(rig.left, {}, {}, {}, view.left);
