@@ -43,9 +43,9 @@ class PoseGraphCovariances {
   Matrix6d Between(int from, int to) const;
   /// What errors that many links have in common, a lens calibrated wrongly, do to each X_WC, to first order; zero to
   /// the first. Of a chain they are the links' own, carried on and added.
-  /// @param of_links for each link of the graph, what each of `errors` errors does to X_FT: 6 x errors, in its tangent;
-  /// so is what is returned for each node.
-  /// @pre as many as links.
+  /// @param of_links one for each link of the graph, in its order: 6 x errors, the tangent of X_FT (m, rad) that one
+  /// standard deviation of each error makes.
+  /// @returns for each node the same of X_WC.
   std::vector<CommonErrors> InCommon(const std::vector<CommonErrors>& of_links, Eigen::Index errors) const;
 
  private:

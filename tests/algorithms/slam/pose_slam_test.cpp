@@ -119,7 +119,9 @@ TEST(PoseSlam, WithoutLoopsItIsTheOdometry) {
 }
 
 /// A focal length that is told wrongly, by as much as the calibration says that it may be. To first order and by a part
-/// of the points: an open chain's are off by up to a sixth. The rig is not adjusted, which would follow the wrong lens.
+/// of the points, and both films are tracked with different outliers: a fifth of the largest error is allowed. The rig
+/// is not adjusted, which would follow the wrong lens. On this way back by the same places a chain without loops has
+/// nearly the same errors.
 TEST(PoseSlam, SaysWhatAWrongLensDoesToItsPoses) {
   Calibration right_lens = LoopRig();
   right_lens.lens.focal = 0.02;
@@ -129,12 +131,17 @@ TEST(PoseSlam, SaysWhatAWrongLensDoesToItsPoses) {
   options.odometry.rig_rotation_deg = 0;
   const Mapped with_right(options, right_lens), with_wrong(options, wrong_lens);
   EXPECT_GE(with_right.Loops(1), 1);
-  for (size_t i = 10; i < 30; ++i) {  // far from where it begins and ends
+  double most_m = 0, most_rad = 0, off_m = 0, off_rad = 0;
+  for (size_t i = 0; i < with_right.frames.size(); ++i) {
     const Vector6d found = Minus(*with_right.frames[i].pose, *with_wrong.frames[i].pose);
-    const Vector6d said = with_right.frames[i].common_errors.col(0);
-    EXPECT_LT((found - said).head<3>().norm(), 0.4 * found.head<3>().norm()) << i;
-    EXPECT_LT((found - said).tail<3>().norm(), 0.4 * found.tail<3>().norm()) << i;
+    const Vector6d off = found - with_right.frames[i].common_errors.col(0);
+    most_m = std::max(most_m, found.head<3>().norm());
+    most_rad = std::max(most_rad, found.tail<3>().norm());
+    off_m = std::max(off_m, off.head<3>().norm());
+    off_rad = std::max(off_rad, off.tail<3>().norm());
   }
+  EXPECT_LT(off_m, 0.2 * most_m);
+  EXPECT_LT(off_rad, 0.2 * most_rad);
 }
 
 TEST(StereoLoops, AViewLooksMostLikeTheKeyframeTakenWhereItStands) {
