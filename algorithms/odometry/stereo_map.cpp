@@ -53,15 +53,7 @@ int StereoMap::WindowBegin() const { return std::max(first_keyframe_, int(keyfra
 
 RigSighting StereoMap::SightingOf(const StereoView& view, const StereoMatch& match) const {
   const StereoLandmark& landmark = landmarks_[size_t(match.landmark)];
-  const size_t i = size_t(match.feature);
-  RigSighting sighting{landmark.p_W, landmark.covariance_W, view.left.xy[i], view.left.covariance[i]};
-  if (view.partner[i] >= 0) {
-    const size_t r = size_t(view.partner[i]);
-    sighting.has_right = true;
-    sighting.right = view.right.xy[r];
-    sighting.covariance_right = view.right.covariance[r];
-  }
-  return sighting;
+  return view.SightingOf(size_t(match.feature), landmark.p_W, landmark.covariance_W);
 }
 
 std::vector<std::pair<int, RigSighting>> StereoMap::SightingsOf(int keyframe) const {

@@ -77,6 +77,16 @@ StereoSighting StereoView::Sighting(size_t i) const {
   return {left.pixel[i], right.pixel[r], left.covariance_px[i], right.covariance_px[r]};
 }
 
+RigSighting StereoView::SightingOf(size_t i, const Eigen::Vector3d& p_W, const Eigen::Matrix3d& covariance_W) const {
+  RigSighting sighting{p_W, covariance_W, left.xy[i], left.covariance[i]};
+  if (partner[i] < 0) return sighting;
+  const size_t r = size_t(partner[i]);
+  sighting.has_right = true;
+  sighting.right = right.xy[r];
+  sighting.covariance_right = right.covariance[r];
+  return sighting;
+}
+
 std::vector<StereoSighting> StereoView::Sightings() const {
   std::vector<StereoSighting> sightings;
   for (size_t i = 0; i < left.size(); ++i) {

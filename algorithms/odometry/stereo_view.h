@@ -11,6 +11,7 @@
 #include "algorithms/core/fields.h"
 #include "algorithms/core/observation.h"
 #include "algorithms/features/features.h"
+#include "algorithms/geometry/rig_pose.h"
 #include "algorithms/geometry/stereo_reconstruction.h"
 #include "algorithms/odometry/keypoint_noise.h"
 
@@ -65,7 +66,11 @@ struct StereoView {
   std::vector<int> partner;     ///< Of each left feature the right one; -1: none.
   double points_per_error = 1;  ///< So many left features count as one in what keyframes add (PointsPerError).
 
+  /// Of a left feature that has a partner, in pixels.
   StereoSighting Sighting(size_t i) const;
+  /// Of a left feature as the image of a point (m, m^2), in normalised coordinates; with the right one if it has a
+  /// partner.
+  RigSighting SightingOf(size_t i, const Eigen::Vector3d& p_W, const Eigen::Matrix3d& covariance_W) const;
   /// Of all left features that have a partner.
   std::vector<StereoSighting> Sightings() const;
 };

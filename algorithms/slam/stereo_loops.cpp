@@ -19,9 +19,7 @@ void StereoLoops::Keep(int keyframe, const StereoView& view, const StereoRig& ri
     if (view.partner[i] < 0) continue;
     const StereoPoint point = ReconstructPoint(rig, view.Sighting(i));
     if (!point.ok() || point.squared_error > kOneDimension2) continue;
-    const size_t r = size_t(view.partner[i]);
-    points.seen.push_back({point.p_L, point.covariance, view.left.xy[i], view.left.covariance[i], true,
-                           view.right.xy[r], view.right.covariance[r]});
+    points.seen.push_back(view.SightingOf(i, point.p_L, point.covariance));
     rows.push_back(view.left.features.descriptors.row(int(i)));
   }
   if (!rows.empty()) cv::vconcat(rows, points.descriptors);
@@ -62,16 +60,9 @@ std::optional<LoopMotion> StereoLoops::Match(int keyframe, const StereoView& vie
   matching.ratio = options_.loop_ratio;
   std::vector<RigSighting> kept_sightings, sightings;
   for (const gaitcam::Match& match : MatchDescriptors(points.descriptors, view.left.features.descriptors, matching)) {
-    const size_t p = size_t(match.a), i = size_t(match.b);
-    const RigSighting& seen = points.seen[p];
+    const RigSighting& seen = points.seen[size_t(match.a)];
     kept_sightings.push_back(seen);
-    RigSighting sighting{seen.p_W, seen.covariance_W, view.left.xy[i], view.left.covariance[i]};
-    if (const int r = view.partner[i]; r >= 0) {
-      sighting.has_right = true;
-      sighting.right = view.right.xy[size_t(r)];
-      sighting.covariance_right = view.right.covariance[size_t(r)];
-    }
-    sightings.push_back(sighting);
+    sightings.push_back(view.SightingOf(size_t(match.b), seen.p_W, seen.covariance_W));
   }
   constexpr double kAnywhere_m = 2,
                    kAnywhere_rad = 1;  // so wide that it tells nothing: the odometry's share counts once
